@@ -1,0 +1,56 @@
+# Everything runs in .venv, which is made on first use and whenever the requirements change.
+
+PYTHON ?= python3
+BIN := .venv/bin
+STAMP := .venv/.installed
+PLUGINS := $(wildcard plugins/*)
+
+.PHONY: install demo test test-slow lint format benchmark constraints clean
+
+install: $(STAMP)
+
+$(STAMP): pyproject.toml constraints.txt $(addsuffix /pyproject.toml,$(PLUGINS))
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
+		{ echo "moseg needs Python 3.11 or newer; try 'make PYTHON=python3.12 $(MAKECMDGOALS)'"; exit 1; }
+	$(PYTHON) -m venv .venv
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check \
+		-c constraints.txt -e ".[dev]" $(addprefix -e ./,$(PLUGINS))
+	@touch $@
+
+# Segment the sample hammer and show what comes out.
+demo: $(STAMP)
+	@mkdir -p demo
+	$(BIN)/moseg sample hammer -o demo/sample.ply --labels demo/truth.txt
+	$(BIN)/moseg segment demo/sample.ply --recipe hammer \
+		-o demo/hammer.glb -o demo/hammer.ply -o demo/hammer.json -o demo/hammer.png
+	@echo
+	$(BIN)/moseg evaluate demo/sample.ply demo/hammer.json demo/truth.txt
+
+test: $(STAMP)
+	$(BIN)/python -m pytest -n 2 --dist worksteal -m "not slow"
+
+test-slow: $(STAMP)
+	$(BIN)/python -m pytest -n 2 --dist worksteal -m slow
+
+lint: $(STAMP)
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+format: $(STAMP)
+	$(BIN)/ruff check --fix .
+	$(BIN)/ruff format .
+
+benchmark: $(STAMP)
+	$(BIN)/python benchmarks/speed.py
+
+# Needs uv. No lock file: those name the host that the packages came from.
+constraints:
+	echo "# Versions that the test suite runs with; made by 'make constraints'." > constraints.txt
+	uv pip compile --universal --quiet --no-header --no-annotate --no-emit-index-url \
+		--no-emit-find-links --python-version 3.11 --extra dev --no-emit-package moseg-core \
+		pyproject.toml $(addsuffix /pyproject.toml,$(PLUGINS)) >> constraints.txt
+
+clean:
+	rm -rf .venv build demo dist .mypy_cache .pytest_cache .ruff_cache .hypothesis

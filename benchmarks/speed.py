@@ -1,0 +1,121 @@
+"""How fast the inner loop is: the flood kernel, an evaluation of the horse, with and without memo.
+
+    python benchmarks/speed.py [MESH]
+
+Runs on the sample horse unless another mesh is given. Times are medians over repetitions in this
+one process; ratios are what to compare, since machines and days differ.
+"""
+
+from __future__ import annotations
+
+import statistics
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+import moseg_core as moseg
+from moseg_core.aggregate import evaluate_segmentation
+from moseg_core.builtin.kmeans import KMeans
+from moseg_core.builtin.voronoi import Voronoi
+from moseg_core.kernels.flood import flood_labels
+from moseg_core.memo import Memo
+from moseg_core.protocols import Batch, Centers
+
+sys.path.insert(0, str(Path(__file__).parent.parent))
+from tests.references import connected_partition  # noqa: E402  # after the path is set
+
+
+def median(function: Callable[[], object], repeat: int = 31) -> float:
+    """Median time of a call in milliseconds, after one to warm up."""
+    function()
+    times = []
+    for _ in range(repeat):
+        start = time.perf_counter()
+        function()
+        times.append(time.perf_counter() - start)
+    return 1e3 * statistics.median(times)
+
+
+def flood_table(shape: moseg.Shape) -> None:
+    """The flood against numpy, on the same points and centres."""
+    points, graph = shape.unit_points, shape.adjacency
+    rng = np.random.default_rng(0)
+    labels = np.empty(shape.n_elements, np.int32)
+    print(f"connected partition of {shape.n_elements} elements, ms")
+    print(" parts   flood   numpy distances + argmin   ratio   argmin alone   literal reference")
+    for n in (2, 6, 9):
+        centers = points[rng.choice(len(points), n, replace=False)].copy()
+        weights = np.ones(n)
+
+        def distances(centers=centers, weights=weights) -> np.ndarray:
+            return np.linalg.norm(points[:, None] - centers[None], axis=2) / weights
+
+        known = distances()
+        flood = median(
+            lambda c=centers, w=weights: flood_labels(
+                points, c, w, graph.indptr, graph.indices, labels
+            )
+        )
+        whole = median(lambda distances=distances: distances().argmin(axis=1))
+        alone = median(lambda known=known: known.argmin(axis=1))
+        literal = median(
+            lambda c=centers, w=weights: connected_partition(
+                points, c, w, graph.indptr, graph.indices
+            ),
+            repeat=1,
+        )
+        print(f"{n:6d}{flood:8.2f}{whole:27.2f}{flood / whole:8.2f}{alone:15.2f}{literal:20.0f}")
+
+
+def evaluation_table(shape: moseg.Shape) -> None:
+    """A poll around the k-means start under the recipe horse."""
+    recipe = moseg.load_recipe("horse")
+    problem = moseg.Problem(recipe.labels, recipe.minimize)
+    n = len(problem.labels)
+    voronoi = Voronoi(shape, n)
+    fresh = moseg.Evaluator(shape, problem, voronoi)
+    seeding = KMeans()(fresh, rng=np.random.default_rng(0), report=lambda _: None)
+    start = voronoi.encode(Centers(positions=seeding.centers, weights=np.ones(n)))
+    steps = 0.05 * np.eye(len(start))
+    poll = np.concatenate([start + steps, start - steps])
+    size = len(poll)
+
+    def evaluate_all(memo: Memo | None) -> None:
+        for labels in voronoi.labels(poll):
+            segmentation = moseg.Segmentation.from_labels(
+                shape, labels, n, memo=Memo(size=0) if memo is None else memo
+            )
+            evaluate_segmentation(problem.terms, problem.labels, segmentation)
+
+    exact = Batch(vectors=poll)
+    best = Batch(vectors=poll, best_only=True)
+    rows = {
+        "every term, nothing remembered": median(lambda: evaluate_all(None), 3),
+        "every term, a fresh memo": median(
+            lambda: moseg.Evaluator(shape, problem, voronoi).costs(exact), 3
+        ),
+        "only the best matters, a fresh memo": median(
+            lambda: moseg.Evaluator(shape, problem, voronoi).costs(best), 5
+        ),
+        "partition alone, one core": median(lambda: [voronoi.labels(row[None]) for row in poll], 5),
+        "partition alone, all cores": median(lambda: voronoi.labels(poll), 5),
+    }
+    slowest = rows["every term, nothing remembered"]
+    print(f"\na poll of {size} candidates, recipe horse, ms a candidate")
+    for name, total in rows.items():
+        print(f"  {name:40s}{total / size:8.2f}   1 : {slowest / total:.1f}")
+
+
+def main() -> None:
+    """Print both tables."""
+    path = Path(sys.argv[1]) if len(sys.argv) > 1 else moseg.sample_path("horse")
+    shape = moseg.load(path)
+    flood_table(shape)
+    evaluation_table(shape)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,152 @@
+"""Which surface elements touch which: the graph that keeps segments connected (Sec. 4).
+
+Adjacency is a CSR pair as in ``scipy.sparse``: the neighbours of element ``f`` are
+``indices[indptr[f]:indptr[f + 1]]``, ascending, without ``f`` itself. Two polygons are
+neighbours when they share an edge by position; around a non-manifold edge all are neighbours of
+all. The same edges tell whether the mesh encloses a volume.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse import csgraph
+
+from moseg_core.mesh import PolygonMesh
+from moseg_core.types import FloatArray, Int32Array, IntArray
+
+
+@dataclass(frozen=True, eq=False)
+class Adjacency:
+    """The element graph, in CSR form.
+
+    Parameters
+    ----------
+    indptr : (F + 1,) int32
+    indices : (E,) int32
+        Each undirected edge stands twice, once from either side.
+    """
+
+    indptr: Int32Array
+    indices: Int32Array
+
+    @classmethod
+    def from_pairs(cls, pairs: IntArray, n_elements: int) -> Adjacency:
+        """From an (E, 2) array of neighbouring elements, in any order, repeats allowed.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> graph = Adjacency.from_pairs(np.array([[0, 1], [1, 2], [1, 0]]), 3)
+        >>> graph.indptr.tolist(), graph.indices.tolist()
+        ([0, 1, 3, 4], [1, 0, 2, 1])
+        """
+        pairs = pairs[pairs[:, 0] != pairs[:, 1]]
+        rows = np.concatenate([pairs[:, 0], pairs[:, 1]])
+        columns = np.concatenate([pairs[:, 1], pairs[:, 0]])
+        graph = sparse.coo_array(
+            (np.ones(len(rows), np.int8), (rows, columns)), shape=(n_elements, n_elements)
+        ).tocsr()
+        graph.sum_duplicates()
+        graph.sort_indices()
+        return cls(graph.indptr.astype(np.int32), graph.indices.astype(np.int32))
+
+    @property
+    def n_elements(self) -> int:
+        """Number of elements, F."""
+        return len(self.indptr) - 1
+
+    def neighbors(self, element: int) -> Int32Array:
+        """The elements next to one element, ascending."""
+        return self.indices[self.indptr[element] : self.indptr[element + 1]]
+
+    @cached_property
+    def matrix(self) -> sparse.csr_array:
+        """(F, F) sparse 0/1 matrix, for ``scipy.sparse.csgraph``."""
+        size = self.n_elements
+        ones = np.ones(len(self.indices), np.int8)
+        return sparse.csr_array((ones, self.indices, self.indptr), shape=(size, size))
+
+    def components(self, elements: IntArray | None = None) -> tuple[int, IntArray]:
+        """Connected components of all elements, or of those given.
+
+        Returns
+        -------
+        count : int
+        component : (k,) int
+            The component of each element asked for, numbered from 0.
+        """
+        graph = self.matrix if elements is None else self.matrix[elements][:, elements]
+        count, component = csgraph.connected_components(graph, directed=False)
+        return int(count), component.astype(np.int64)
+
+
+def mesh_adjacency(mesh: PolygonMesh) -> Adjacency:
+    """Neighbouring polygons of a mesh: those that share an edge by position.
+
+    Examples
+    --------
+    >>> mesh = PolygonMesh.from_faces([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]],
+    ...                               [[0, 1, 2], [1, 3, 2]])
+    >>> mesh_adjacency(mesh).neighbors(0).tolist()
+    [1]
+    """
+    ends, polygon = mesh.edges
+    group = _undirected(ends)[1]
+    order = np.argsort(group, kind="stable")
+    group, polygon = group[order], polygon[order]
+    sizes = np.bincount(group)
+    starts = np.concatenate([[0], np.cumsum(sizes)])[:-1]
+    pairs = []
+    for size in np.unique(sizes[sizes > 1]):
+        members = polygon[starts[sizes == size][:, None] + np.arange(size)]
+        first, second = np.triu_indices(int(size), k=1)
+        pairs.append(np.stack([members[:, first], members[:, second]], axis=-1).reshape(-1, 2))
+    joined = np.concatenate(pairs) if pairs else np.empty((0, 2), np.int64)
+    return Adjacency.from_pairs(joined, mesh.n_polygons)
+
+
+def enclosed_volume(mesh: PolygonMesh) -> tuple[float | None, str]:
+    """Volume that the surface encloses, or the reason why it encloses none.
+
+    Every edge must be run through as often in one direction as in the other. The volume is then
+    the absolute sum of the signed tetrahedra over the triangles.
+
+    Returns
+    -------
+    volume : float or None, model units cubed
+    reason : str
+        Empty where there is a volume; else a clause such as "it has 12 boundary edges".
+    """
+    ends, _ = mesh.edges
+    if len(ends) == 0:
+        return None, "it has no edges"
+    edge, group = _undirected(ends)
+    direction = np.where(ends[:, 0] == edge[group, 0], 1, -1)
+    uses = np.bincount(group)
+    balance = np.bincount(group, weights=direction)
+    odd = int((uses % 2).sum())
+    if odd:
+        return None, f"it is open ({odd} boundary edge{'s' * (odd != 1)})"
+    if balance.any():
+        return None, "its faces are not oriented consistently"
+    corners = mesh.vertices[mesh.triangles]
+    extent = np.ptp(mesh.vertices[mesh.corners], axis=0)
+    volume = abs(signed_volume(corners - corners.reshape(-1, 3).mean(axis=0)))
+    if volume <= 1e-9 * float(np.linalg.norm(extent)) ** 3:
+        return None, "it is flat"
+    return volume, ""
+
+
+def signed_volume(corners: FloatArray) -> float:
+    """Sum of the signed tetrahedra between the origin and (T, 3, 3) triangles."""
+    return float(np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6.0)
+
+
+def _undirected(ends: IntArray) -> tuple[IntArray, IntArray]:
+    """Distinct undirected edges, and for each directed edge the number of its undirected one."""
+    edge, group = np.unique(np.sort(ends, axis=1), axis=0, return_inverse=True)
+    return edge, group.reshape(-1)

@@ -1,0 +1,111 @@
+"""The bundle ``core``: what moseg brings itself, through the same hooks as everyone else."""
+
+from __future__ import annotations
+
+from moseg_core.hookspecs import hookimpl
+from moseg_core.specs import (
+    LabelerSpec,
+    OptimizerSpec,
+    ParameterizationSpec,
+    ReaderSpec,
+    SeederSpec,
+    WriterSpec,
+)
+
+
+@hookimpl
+def moseg_parameterizations() -> list[ParameterizationSpec]:
+    """Weighted Voronoi partitions."""
+    return [
+        ParameterizationSpec(
+            name="voronoi",
+            target="moseg_core.builtin.voronoi:Voronoi",
+            summary="multiplicatively weighted Voronoi partition, segments kept connected",
+        )
+    ]
+
+
+@hookimpl
+def moseg_seeders() -> list[SeederSpec]:
+    """K-means."""
+    return [
+        SeederSpec(
+            name="kmeans",
+            target="moseg_core.builtin.kmeans:KMeans",
+            summary="k-means from furthest points; compact parts of similar size",
+        )
+    ]
+
+
+@hookimpl
+def moseg_labelers() -> list[LabelerSpec]:
+    """The Hungarian algorithm."""
+    return [
+        LabelerSpec(
+            name="hungarian",
+            target="moseg_core.builtin.hungarian:Hungarian",
+            summary="the assignment of labels that is optimal for the unary objectives",
+        )
+    ]
+
+
+@hookimpl
+def moseg_optimizers() -> list[OptimizerSpec]:
+    """Pattern search."""
+    return [
+        OptimizerSpec(
+            name="pattern_search",
+            target="moseg_core.builtin.pattern_search:PatternSearch",
+            summary="generalized pattern search with complete polls",
+        )
+    ]
+
+
+@hookimpl
+def moseg_readers() -> list[ReaderSpec]:
+    """Polygon mesh formats."""
+    return [
+        ReaderSpec(name="off", target="moseg_core.io.off:read_off", suffixes=(".off",)),
+        ReaderSpec(name="ply", target="moseg_core.io.ply:read_ply", suffixes=(".ply",)),
+        ReaderSpec(name="obj", target="moseg_core.io.obj:read_obj", suffixes=(".obj",)),
+        ReaderSpec(name="stl", target="moseg_core.io.stl:read_stl", suffixes=(".stl",)),
+        ReaderSpec(name="glb", target="moseg_core.io.gltf_reader:read_glb", suffixes=(".glb",)),
+    ]
+
+
+@hookimpl
+def moseg_writers() -> list[WriterSpec]:
+    """Everything that a result can be saved as."""
+    module = "moseg_core.io.writers"
+    return [
+        WriterSpec(
+            name="json",
+            target=f"{module}:write_json",
+            suffixes=(".json",),
+            summary="labels, cost by term, centres, history, versions",
+        ),
+        WriterSpec(
+            name="seg",
+            target=f"{module}:write_seg",
+            suffixes=(".seg",),
+            summary="one label number a line, face by face",
+        ),
+        WriterSpec(
+            name="ply",
+            target=f"{module}:write_ply",
+            suffixes=(".ply",),
+            summary="the mesh with colour and label of every face",
+        ),
+        WriterSpec(
+            name="glb",
+            target=f"{module}:write_glb",
+            suffixes=(".glb",),
+            summary="one named, coloured node for each part",
+        ),
+        WriterSpec(
+            name="png",
+            target="moseg_core.view.writer:write_png",
+            suffixes=(".png",),
+            summary="a shaded picture with a legend",
+        ),
+    ]

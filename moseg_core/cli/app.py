@@ -1,0 +1,250 @@
+"""The commands and their options, and how errors become messages and exit codes."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated, Literal
+
+from cyclopts import App, CycloptsError, Parameter
+
+from moseg_core import __version__
+from moseg_core.errors import MosegError
+
+app = App(
+    name="moseg",
+    version=f"moseg {__version__}",
+    help="Say what the parts of a shape are like; get the shape cut into named parts.",
+    help_on_error=False,
+)
+plugin_app = App(name="plugin", help="Installed bundles of objectives, seeders, formats and more.")
+app.command(plugin_app)
+
+Outputs = Annotated[
+    list[Path] | None,
+    Parameter(
+        name=["--out", "-o"],
+        negative=(),
+        help="File to write, format by suffix: json, seg, ply, glb, png. Repeatable.",
+    ),
+]
+Flag = Annotated[bool, Parameter(negative=())]
+
+
+@app.command
+def segment(
+    shape: Path,
+    /,
+    *,
+    recipe: str | None = None,
+    labels: str | None = None,
+    minimize: str | None = None,
+    seeder: str | None = None,
+    labeler: str | None = None,
+    optimizer: str | None = None,
+    seed: int = 0,
+    max_seconds: float | None = None,
+    out: Outputs = None,
+    json: Flag = False,
+    quiet: Flag = False,
+) -> None:
+    """Cut a shape into named parts.
+
+    Examples
+    --------
+    moseg segment horse.off --recipe horse -o horse.glb -o horse.json
+
+    moseg segment hammer.ply --labels handle,head
+    --minimize "3*narrow(handle) + perpendicular(handle, head) + convex_parts"
+
+    Parameters
+    ----------
+    shape
+        Mesh to segment: OFF, PLY, OBJ, STL or GLB.
+    recipe
+        Name of an installed recipe, or path of a TOML file.
+    labels
+        Names of the parts, separated by commas; instead of the recipe's.
+    minimize
+        What to minimise, such as "3*narrow(handle) + convex_parts"; instead of the recipe's.
+    seeder
+        How centres are first placed: a name, or name(key=number).
+    labeler
+        How labels are assigned to centres.
+    optimizer
+        How centres are refined, such as "pattern_search(max_evaluations=2000)".
+    seed
+        Seed of the random generator.
+    max_seconds
+        End the search after about this time; the result then depends on the machine.
+    json
+        Print a summary as JSON instead of tables.
+    quiet
+        Print no messages, progress or tables.
+    """
+    from moseg_core.cli.segment import run_segment
+
+    run_segment(
+        shape,
+        recipe=recipe,
+        labels=labels,
+        minimize=minimize,
+        choices={"seeder": seeder, "labeler": labeler, "optimizer": optimizer},
+        seed=seed,
+        max_seconds=max_seconds,
+        outputs=out or [],
+        as_json=json,
+        quiet=quiet,
+    )
+
+
+@app.command
+def explain(
+    source: Path,
+    /,
+    *,
+    recipe: str | None = None,
+    labels: str | None = None,
+    minimize: str | None = None,
+    parts: Path | None = None,
+    json: Flag = False,
+) -> None:
+    """Show what a segmentation costs, by term and part.
+
+    Examples
+    --------
+    moseg explain horse.json
+
+    moseg explain horse.off --recipe horse --parts mine.seg
+
+    Parameters
+    ----------
+    source
+        A result (.json), or a mesh together with --parts.
+    recipe
+        Recipe under which to evaluate.
+    labels
+        Names of the parts, separated by commas; instead of the recipe's.
+    minimize
+        What to minimise; instead of the recipe's.
+    parts
+        Labelling to evaluate: .seg (numbers in the order of the labels), .txt, .json or .ply.
+    json
+        Print JSON instead of a table.
+    """
+    from moseg_core.cli.explain import run_explain
+
+    run_explain(source, recipe=recipe, labels=labels, minimize=minimize, parts=parts, as_json=json)
+
+
+@app.command
+def evaluate(
+    shape: Path,
+    result: Path,
+    /,
+    *truths: Path,
+    json: Flag = False,
+) -> None:
+    """Compare a labelling with true ones: 1 - Rand Index, and names given rightly.
+
+    Examples
+    --------
+    moseg evaluate horse.off result.json truth.seg
+
+    Parameters
+    ----------
+    shape
+        The mesh that both label.
+    result
+        Labelling to judge: .seg, .txt, .json or .ply.
+    truths
+        One or more labellings to compare with.
+    json
+        Print JSON instead of a table.
+    """
+    from moseg_core.cli.evaluate import run_evaluate
+
+    run_evaluate(shape, result, truths, as_json=json)
+
+
+@app.command
+def sample(
+    name: Literal["hammer", "horse"],
+    /,
+    *,
+    out: Annotated[Path, Parameter(name=["--out", "-o"])],
+    labels: Path | None = None,
+) -> None:
+    """Write a sample shape, to try things on.
+
+    Examples
+    --------
+    moseg sample hammer -o hammer.ply --labels truth.txt
+
+    Parameters
+    ----------
+    name
+        Which one.
+    out
+        Mesh file to write; PLY.
+    labels
+        File for its true labels: .txt with names, or .seg with numbers.
+    """
+    from moseg_core.cli.sample import run_sample
+
+    run_sample(name, out, labels)
+
+
+@plugin_app.command(name="list")
+def list_plugins(*, json: Flag = False) -> None:
+    """List installed bundles, what they bring, and what is wrong with them.
+
+    Parameters
+    ----------
+    json
+        Print JSON instead of a table.
+    """
+    from moseg_core.cli.plugin import run_list
+
+    run_list(as_json=json)
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run the command line and exit.
+
+    Parameters
+    ----------
+    arguments : sequence of str, optional
+        Instead of ``sys.argv[1:]``.
+
+    Raises
+    ------
+    SystemExit
+        With 0, or the exit code of what went wrong (:mod:`moseg_core.errors`); 130 when
+        interrupted.
+    """
+    sys.exit(_run(list(sys.argv[1:] if arguments is None else arguments)))
+
+
+def _run(arguments: list[str]) -> int:
+    try:
+        command, bound, _ = app.parse_args(arguments, exit_on_error=False, print_error=False)
+        command(*bound.args, **bound.kwargs)
+        sys.stdout.flush()
+    except CycloptsError as error:
+        words = " ".join(str(error).split())
+        print(f"moseg: {words} (see 'moseg --help')", file=sys.stderr)
+        return 2
+    except MosegError as error:
+        print(f"moseg: {error}", file=sys.stderr)
+        return error.exit_code
+    except KeyboardInterrupt:
+        print("moseg: interrupted", file=sys.stderr)
+        return 130
+    except BrokenPipeError:
+        # The reader, such as `head`, has what it wanted; Python would complain once more at exit.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+    return 0

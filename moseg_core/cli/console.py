@@ -1,0 +1,104 @@
+"""Printing: tables on stdout, messages and progress on stderr.
+
+Colour and progress bars appear on a terminal only; rich honours ``NO_COLOR``.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any, TextIO
+
+from rich.console import Console
+from rich.progress import BarColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+from rich.progress import Progress as Bars
+from rich.table import Table
+
+from moseg_core.aggregate import Evaluation
+from moseg_core.protocols import Progress, Report
+
+_WIDTH_OFF_TERMINAL = 120
+
+
+def console(stream: TextIO) -> Console:
+    """A console on stdout or stderr that keeps lines whole off a terminal."""
+    width = None if stream.isatty() else _WIDTH_OFF_TERMINAL
+    return Console(file=stream, width=width, highlight=False, soft_wrap=False)
+
+
+def print_json(document: Any) -> None:
+    """Print a JSON document on stdout."""
+    print(json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False))
+
+
+def message(text: str, *, quiet: bool = False) -> None:
+    """Print a line on stderr."""
+    if not quiet:
+        print(f"moseg: {text}", file=sys.stderr)
+
+
+def terms_table(evaluation: Evaluation) -> Table:
+    """What each term adds to the cost, with a row for every part that it looks at."""
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    table.add_column("term", overflow="fold")
+    table.add_column("parts", overflow="fold")
+    table.add_column("value", justify="right")
+    table.add_column("weight", justify="right")
+    table.add_column("cost", justify="right")
+    table.add_column("share", justify="right")
+    total = sum(abs(term.weighted) for term in evaluation.terms)
+    for term in evaluation.terms:
+        name = term.text.partition("(")[0]
+        for call in term.calls:
+            labels = ", ".join(call.labels) if call.labels else "all"
+            if call.value is None:
+                table.add_row(name, labels, "left out", f"{term.weight:g}", "", "")
+                continue
+            cost = term.weight * call.value
+            share = f"{100 * abs(cost) / total:.1f} %" if total else ""
+            table.add_row(
+                name, labels, f"{call.value:.6f}", f"{term.weight:g}", f"{cost:.6f}", share
+            )
+    table.add_section()
+    table.add_row("total", "", "", "", f"{evaluation.cost.value:.6f}", "", style="bold")
+    return table
+
+
+@contextmanager
+def progress_reporter(*, quiet: bool) -> Iterator[Report | None]:
+    """A function to report progress to; None off a terminal."""
+    if quiet or not sys.stderr.isatty():
+        yield None
+        return
+    bars = Bars(
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TextColumn("{task.fields[cost]}"),
+        TimeElapsedColumn(),
+        TextColumn("left"),
+        TimeRemainingColumn(),
+        console=console(sys.stderr),
+        transient=True,
+    )
+    tasks: dict[str, Any] = {}
+
+    def report(progress: Progress) -> None:
+        if progress.stage not in tasks:
+            tasks[progress.stage] = bars.add_task(progress.stage, total=None, cost="")
+        best = progress.best
+        cost = "" if best is None else f"cost {best.value:.5g}"
+        if best is not None and best.empty:
+            cost += f" ({best.empty} empty)"
+        fraction = progress.fraction
+        bars.update(
+            tasks[progress.stage],
+            description=f"{progress.stage} {progress.done}",
+            total=None if fraction is None else 1.0,
+            completed=fraction or 0.0,
+            cost=cost,
+        )
+
+    with bars:
+        yield report

@@ -1,0 +1,63 @@
+"""``moseg explain``: the cost of a result, or of any labelling, by term and part."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from moseg_core.cli.console import console, message, print_json, terms_table
+from moseg_core.cli.request import read_problem
+from moseg_core.errors import UsageError, unknown
+from moseg_core.io import Labelling, load, read_labels, read_result
+from moseg_core.io.writers import evaluation_document
+from moseg_core.types import IntArray
+
+
+def run_explain(
+    source: Path,
+    *,
+    recipe: str | None,
+    labels: str | None,
+    minimize: str | None,
+    parts: Path | None,
+    as_json: bool,
+) -> None:
+    """Explain a saved result, or evaluate a labelling of a shape."""
+    if source.suffix.lower() == ".json" and parts is None:
+        if recipe or labels or minimize:
+            raise UsageError(
+                f"'{source}' is a result and brings its own problem; to evaluate its labels under"
+                f" another one, give the mesh and --parts {source}"
+            )
+        saved = read_result(source)
+        evaluation, warnings = saved.evaluation, saved.warnings
+    else:
+        if parts is None:
+            raise UsageError(f"'{source}' is a shape: give the labelling to explain with --parts")
+        problem, _ = read_problem(recipe, labels, minimize)
+        shape = load(source)
+        labelling = read_labels(parts, shape.n_elements)
+        evaluation = problem.evaluate(shape, _match(labelling, problem.labels, parts))
+        warnings = tuple(f"part '{name}' is empty" for name in evaluation.empty)
+    for warning in warnings:
+        message(f"warning: {warning}")
+    if as_json:
+        print_json(evaluation_document(evaluation))
+    else:
+        console(sys.stdout).print(terms_table(evaluation))
+
+
+def _match(labelling: Labelling, names: tuple[str, ...], path: Path) -> IntArray:
+    """Labels as indices into the problem's names: by name where the file has names."""
+    if labelling.names is None:
+        return labelling.labels
+    used = sorted(set(labelling.labels.tolist()))
+    for label in used:
+        if labelling.names[label] not in names:
+            raise UsageError(f"'{path}': {unknown('label', labelling.names[label], names)}")
+    index = np.zeros(len(labelling.names), np.int64)
+    for label in used:
+        index[label] = names.index(labelling.names[label])
+    return index[labelling.labels]

@@ -1,0 +1,107 @@
+"""``moseg segment``: the whole method, from files to files."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from rich.table import Table
+
+from moseg_core.cli.console import console, message, print_json, progress_reporter, terms_table
+from moseg_core.cli.request import read_problem
+from moseg_core.io.files import check_output, load, save
+from moseg_core.io.writers import evaluation_document
+from moseg_core.method import Choice, Method
+from moseg_core.pipeline import prepare_method, segment
+from moseg_core.result import Result
+
+
+def run_segment(
+    path: Path,
+    *,
+    recipe: str | None,
+    labels: str | None,
+    minimize: str | None,
+    choices: Mapping[str, str | None],
+    seed: int,
+    max_seconds: float | None,
+    outputs: list[Path],
+    as_json: bool,
+    quiet: bool,
+) -> None:
+    """Check everything that can be checked, then read, search, write and print."""
+    problem, method = read_problem(recipe, labels, minimize)
+    method = _with_choices(method, choices)
+    prepare_method(problem, method)
+    for output in outputs:
+        check_output(output)
+
+    started = time.monotonic()
+    shape = load(path)
+    problem.check(shape)
+    for note in shape.notes:
+        message(f"{path.name}: {note}", quiet=quiet)
+    with progress_reporter(quiet=quiet) as report:
+        result = segment(
+            shape, problem, method=method, seed=seed, max_seconds=max_seconds, report=report
+        )
+    for warning in result.warnings:
+        message(f"warning: {warning}", quiet=quiet)
+    for output in outputs:
+        save(result, output)
+    written = f"; wrote {', '.join(str(output) for output in outputs)}" if outputs else ""
+    message(f"{time.monotonic() - started:.1f} s{written}", quiet=quiet)
+    if as_json:
+        print_json(_summary(result))
+    elif not quiet:
+        _print_tables(result)
+
+
+def _with_choices(method: Method, choices: Mapping[str, str | None]) -> Method:
+    chosen: dict[str, Any] = {
+        kind: Choice.read(text, kind)  # type: ignore[arg-type]  # the keys are kinds
+        for kind, text in choices.items()
+        if text is not None
+    }
+    rest = {
+        kind: getattr(method, kind)
+        for kind in ("parameterization", "seeder", "labeler", "optimizer")
+        if kind not in chosen
+    }
+    return Method(**chosen, **rest)
+
+
+def _summary(result: Result) -> dict[str, Any]:
+    return {
+        "shape": result.shape.name,
+        "elements": result.shape.n_elements,
+        **evaluation_document(result.evaluation),
+        "parts": [
+            {
+                "label": name,
+                "elements": part.n_elements,
+                "area_share": part.area / result.shape.area,
+            }
+            for name, part in result.parts.items()
+        ],
+        "seed": result.seed,
+        "reason": result.reason,
+        "warnings": list(result.warnings),
+    }
+
+
+def _print_tables(result: Result) -> None:
+    out = console(sys.stdout)
+    parts = Table(box=None, pad_edge=False, header_style="bold")
+    parts.add_column("part")
+    parts.add_column("faces", justify="right")
+    parts.add_column("area", justify="right")
+    for name, part in result.parts.items():
+        share = part.area / result.shape.area
+        parts.add_row(name, str(part.n_elements), f"{100 * share:.1f} %")
+    out.print(parts)
+    out.print()
+    out.print(terms_table(result.evaluation))

@@ -1,0 +1,108 @@
+"""What moseg says when something is wrong.
+
+Every error that a user can cause derives from :class:`MosegError`, carries a message of one
+line (an expression adds its caret) that says what was asked, what is allowed and what to do, and
+knows the exit code with which the command line ends. Anything else that escapes is a bug.
+
+====  ==============================================================
+code  meaning
+====  ==============================================================
+0     success
+1     failure: a plugin, the search or the disk
+2     usage: an unknown name, a malformed expression or option
+3     the shape cannot be used, or not with this problem
+====  ==============================================================
+"""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+from typing import ClassVar
+
+
+class MosegError(Exception):
+    """Base of all errors that moseg raises on purpose."""
+
+    exit_code: ClassVar[int] = 1
+
+
+class UsageError(MosegError, ValueError):
+    """A name, value or combination of options that moseg does not accept."""
+
+    exit_code = 2
+
+
+class ShapeError(MosegError, ValueError):
+    """A shape that cannot be read, or cannot be used with the problem at hand."""
+
+    exit_code = 3
+
+
+class PluginError(MosegError):
+    """A plugin that is missing, broken, or broke its contract; names the distribution."""
+
+
+class ExpressionError(UsageError):
+    """An expression that cannot be understood, with the place in its text.
+
+    Parameters
+    ----------
+    reason : str
+        What is wrong, and the nearest thing that would be right.
+    text : str
+        The whole expression.
+    start, stop : int
+        The offending characters are ``text[start:stop]``; a caret is drawn under them.
+
+    Examples
+    --------
+    >>> print(ExpressionError("unknown objective 'narow'", "3*narow(a)", 2, 7))
+    unknown objective 'narow' in "3*narow(a)"
+      3*narow(a)
+        ^^^^^
+    """
+
+    def __init__(self, reason: str, text: str, start: int, stop: int | None = None) -> None:
+        self.reason = reason
+        self.text = text
+        self.start = start
+        self.stop = max(start + 1, start if stop is None else stop)
+        super().__init__(reason, text, start, stop)
+
+    def __str__(self) -> str:
+        reason, _, suggestion = self.reason.partition("; ")
+        headline = f'{reason} in "{self.text}"' + (f"; {suggestion}" if suggestion else "")
+        caret = " " * self.start + "^" * (self.stop - self.start)
+        return f"{headline}\n  {self.text}\n  {caret}"
+
+
+def nearest(name: str, known: Iterable[str]) -> str | None:
+    """The known name most like `name`, or None where nothing is close.
+
+    Examples
+    --------
+    >>> nearest("narow", ["flat", "narrow"])
+    'narrow'
+    >>> nearest("zzz", ["flat", "narrow"]) is None
+    True
+    """
+    matches = difflib.get_close_matches(name, list(known), n=1, cutoff=0.6)
+    return matches[0] if matches else None
+
+
+def unknown(kind: str, name: str, known: Iterable[str]) -> str:
+    """Say that a name is unknown, with the nearest name or else what is allowed.
+
+    Examples
+    --------
+    >>> unknown("seeder", "kmean", ["kmeans", "given"])
+    "unknown seeder 'kmean'; did you mean 'kmeans'?"
+    >>> unknown("label", "x", ["head", "handle"])
+    "unknown label 'x'; known: handle, head"
+    """
+    names = sorted(set(known))
+    guess = nearest(name, names)
+    if guess is not None:
+        return f"unknown {kind} '{name}'; did you mean '{guess}'?"
+    return f"unknown {kind} '{name}'; known: {', '.join(names) if names else 'none'}"

@@ -1,0 +1,198 @@
+"""From vectors to costs, in batches: labels, parts, terms (Sec. 4 and 7).
+
+The search spends its time here. Three things keep it short, none of which changes a result:
+
+- values of parts that were seen before are remembered (:mod:`moseg_core.memo`);
+- equal labellings in a batch are evaluated once;
+- where the optimizer promises that only the best of a batch matters, terms are evaluated from
+  cheap to expensive, and a candidate is dropped as soon as what is known of its cost, with every
+  missing term at the least value that it declares, is more than another candidate's cost. On a
+  horse this leaves out nearly all surface distances of a poll.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from moseg_core.aggregate import (
+    Evaluation,
+    Values,
+    call_value,
+    evaluate_segmentation,
+    leaves_out,
+    weighted_sum,
+)
+from moseg_core.binding import BoundTerm
+from moseg_core.cost import Cost
+from moseg_core.memo import Memo
+from moseg_core.plugins import measure_resolver
+from moseg_core.problem import Problem
+from moseg_core.protocols import Batch, Parameterization
+from moseg_core.segmentation import Segmentation
+from moseg_core.shape import Shape
+from moseg_core.types import FloatArray, Int32Array
+
+
+class Evaluator:
+    """The aggregate objective as a function of the parameterization's vectors.
+
+    Parameters
+    ----------
+    shape : Shape
+    problem : Problem
+    parameterization : Parameterization
+    memo : Memo, optional
+        Shared values; a memory of its own by default.
+
+    Attributes
+    ----------
+    evaluations : int
+        Number of candidates whose costs were asked for so far.
+    """
+
+    def __init__(
+        self,
+        shape: Shape,
+        problem: Problem,
+        parameterization: Parameterization,
+        *,
+        memo: Memo | None = None,
+    ) -> None:
+        problem.check(shape)
+        self.shape = shape
+        self.problem = problem
+        self.parameterization = parameterization
+        self.memo = Memo() if memo is None else memo
+        self.evaluations = 0
+        self._measures = measure_resolver(problem.registry)
+
+    def labels(self, vector: FloatArray) -> Int32Array:
+        """(F,) int32: the labelling that a vector describes."""
+        labels: Int32Array = self.parameterization.labels(vector[None])[0]
+        return labels
+
+    def segmentation(self, labels: Int32Array) -> Segmentation:
+        """The parts of a labelling, sharing this evaluator's memory."""
+        return Segmentation.from_labels(
+            self.shape,
+            labels,
+            len(self.problem.labels),
+            memo=self.memo,
+            measures=self._measures,
+        )
+
+    def evaluate(self, vector: FloatArray) -> Evaluation:
+        """Cost by term and part of one vector."""
+        segmentation = self.segmentation(self.labels(vector))
+        return evaluate_segmentation(self.problem.terms, self.problem.labels, segmentation)
+
+    def costs(self, batch: Batch) -> list[Cost]:
+        """Costs of a batch, exact where its promises do not allow otherwise.
+
+        Parameters
+        ----------
+        batch : Batch
+
+        Returns
+        -------
+        list of Cost
+            In the batch's order. A cost that cannot be the batch's best, or is not below its
+            cutoff, may be a lower bound that is not so either.
+        """
+        self.evaluations += len(batch.vectors)
+        first_of: dict[bytes, int] = {}
+        owner: list[int] = []
+        candidates: list[_Candidate] = []
+        for labels in self.parameterization.labels(batch.vectors):
+            segmentation = self.segmentation(labels)
+            key = segmentation.summary.hashes.tobytes()
+            owner.append(first_of.setdefault(key, len(candidates)))
+            if owner[-1] == len(candidates):
+                candidates.append(_Candidate(self, segmentation))
+        found = self._complete(candidates, batch)
+        return [found[k] for k in owner]
+
+    def unary_costs(self, vector: FloatArray) -> FloatArray:
+        """(n, n) float: entry ``i, j`` is the cost of giving part ``i`` the label ``j``.
+
+        Each unary objective of label ``j`` times its weight, the paper's cost matrix ``C``
+        (Sec. 6). A part that is empty costs more than all others together, whatever its label.
+        """
+        segmentation = self.segmentation(self.labels(vector))
+        return unary_cost_matrix(self.problem, segmentation)
+
+    def _complete(self, candidates: list[_Candidate], batch: Batch) -> list[Cost]:
+        """Costs of distinct candidates, dropping those that cannot matter."""
+        limit = batch.cutoff
+        ranks = sorted({term.cost_rank for term in self.problem.terms})
+        if not batch.best_only:
+            for candidate in candidates:
+                for rank in ranks:
+                    if limit is not None and candidate.cost >= limit:
+                        break
+                    candidate.evaluate(rank)
+            return [candidate.cost for candidate in candidates]
+        # Cheapest terms of all first: the most promising candidate then sets the mark early.
+        best: tuple[Cost, int] | None = None
+        fewest = min((candidate.empty_count for candidate in candidates), default=0)
+        hopeful = [k for k, c in enumerate(candidates) if c.empty_count == fewest]
+        for k in hopeful:
+            candidates[k].evaluate(ranks[0])
+        for k in sorted(hopeful, key=lambda k: (candidates[k].cost, k)):
+            candidate = candidates[k]
+            for rank in ranks[1:]:
+                if limit is not None and candidate.cost >= limit:
+                    break
+                if best is not None and (candidate.cost, k) > best:
+                    break
+                candidate.evaluate(rank)
+            else:
+                if best is None or (candidate.cost, k) < best:
+                    best = (candidate.cost, k)
+        return [candidate.cost for candidate in candidates]
+
+
+class _Candidate:
+    """A segmentation some of whose terms are evaluated; the others stand at their least."""
+
+    def __init__(self, evaluator: Evaluator, segmentation: Segmentation) -> None:
+        self.terms = evaluator.problem.terms
+        self.names = evaluator.problem.labels
+        self.segmentation = segmentation
+        self.empty: list[bool] = segmentation.summary.empty(segmentation.shape).tolist()
+        self.empty_count = sum(self.empty)
+        self.values: Values = [
+            [None if leaves_out(term, call, self.empty) else _least(term) for call in term.calls]
+            for term in self.terms
+        ]
+        self.cost = Cost(self.empty_count, weighted_sum(self.terms, self.values))
+
+    def evaluate(self, rank: int) -> None:
+        """Evaluate the terms of one cost class; `cost` becomes a better lower bound."""
+        for t, term in enumerate(self.terms):
+            if term.cost_rank == rank:
+                for c, call in enumerate(term.calls):
+                    self.values[t][c] = call_value(
+                        term, call, self.segmentation, self.empty, self.names
+                    )
+        self.cost = Cost(self.empty_count, weighted_sum(self.terms, self.values))
+
+
+def _least(term: BoundTerm) -> float:
+    """The value of a call that adds the least to the cost."""
+    low, high = term.objective.traits.range
+    return low if term.weight > 0 else high
+
+
+def unary_cost_matrix(problem: Problem, segmentation: Segmentation) -> FloatArray:
+    """See :meth:`Evaluator.unary_costs`."""
+    n = len(problem.labels)
+    empty: list[bool] = segmentation.summary.empty(segmentation.shape).tolist()
+    matrix = np.zeros((n, n))
+    for term in problem.unary_terms:
+        for (label,) in term.calls:
+            for part in range(n):
+                value = call_value(term, (part,), segmentation, empty, problem.labels)
+                matrix[part, label] += 0.0 if value is None else term.weight * value
+    matrix[empty] = 1.0 + np.abs(matrix).sum()
+    return matrix

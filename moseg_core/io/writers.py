@@ -1,0 +1,108 @@
+"""The formats that a result is saved in: functions of a result that return bytes.
+
+They add nothing that depends on when or where they run: equal results give equal bytes.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import Any
+
+from moseg_core.aggregate import Evaluation
+from moseg_core.io.encode_glb import encode_glb
+from moseg_core.io.encode_ply import encode_ply
+from moseg_core.io.labels import encode_seg
+from moseg_core.io.saved import FORMAT
+from moseg_core.palette import part_colors
+from moseg_core.result import Result
+
+
+def write_json(result: Result) -> bytes:
+    """Everything there is to know of a result but the geometry; read by ``moseg explain``."""
+    shape, segmentation = result.shape, result.segmentation
+    document: dict[str, Any] = {
+        "format": FORMAT,
+        "shape": {
+            "name": shape.name,
+            "elements": shape.n_elements,
+            "fingerprint": shape.fingerprint,
+            "notes": list(shape.notes),
+        },
+        "problem": {
+            "labels": list(result.problem.labels),
+            "minimize": str(result.problem.expression),
+        },
+        **evaluation_document(result.evaluation),
+        "parts": [
+            {
+                "label": name,
+                "elements": part.n_elements,
+                "area": part.area,
+                "center": center.tolist(),
+                "weight": float(weight),
+            }
+            for name, part, center, weight in zip(
+                result.problem.labels,
+                segmentation.parts,
+                result.centers.positions,
+                result.centers.weights,
+                strict=True,
+            )
+        ],
+        "method": dict(result.method),
+        "seed": result.seed,
+        "reason": result.reason,
+        "warnings": list(result.warnings),
+        "versions": dict(result.versions),
+        "history": {stage: list(records) for stage, records in result.history.items()},
+        "labels": result.labels.tolist(),
+    }
+    # One line per entry: readable, and a change of one number is a change of one line.
+    lines = [f"{json.dumps(key)}: {_dump(value)}" for key, value in document.items()]
+    return ("{\n" + ",\n".join(lines) + "\n}\n").encode()
+
+
+def evaluation_document(evaluation: Evaluation) -> dict[str, Any]:
+    """Cost and terms as plain data, for JSON."""
+    return {
+        "cost": {
+            "value": evaluation.cost.value,
+            "empty": list(evaluation.empty),
+        },
+        "terms": [
+            {
+                "term": term.text,
+                "objective": term.objective,
+                "weight": term.weight,
+                "value": term.value,
+                "weighted": term.weighted,
+                "worst": term.worst if math.isfinite(term.worst) else None,
+                "calls": [
+                    {"labels": list(call.labels), "value": call.value} for call in term.calls
+                ],
+            }
+            for term in evaluation.terms
+        ],
+    }
+
+
+def write_seg(result: Result) -> bytes:
+    """One label number a line, face by face."""
+    return encode_seg(result.labels)
+
+
+def write_ply(result: Result) -> bytes:
+    """The input's polygons with the colour and label of each."""
+    names = result.problem.labels
+    return encode_ply(result.shape.geometry, result.labels, names, part_colors(len(names)))
+
+
+def write_glb(result: Result) -> bytes:
+    """A scene with one coloured node per part, named by its label."""
+    names = result.problem.labels
+    return encode_glb(result.shape.geometry, result.labels, names, part_colors(len(names)))
+
+
+def _dump(value: Any) -> str:
+    return json.dumps(value, allow_nan=False, ensure_ascii=False)

@@ -1,0 +1,1 @@
+"""The few hot loops, compiled by numba; each has a literal, slow reference in ``tests/``."""

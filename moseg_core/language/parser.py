@@ -1,0 +1,196 @@
+"""Tokens to terms, by recursive descent; every complaint points at its place in the text."""
+
+from __future__ import annotations
+
+import math
+
+from moseg_core.errors import ExpressionError
+from moseg_core.language.terms import Argument, Expression, Term
+from moseg_core.language.tokens import Token, TokenKind, tokenize
+
+
+def parse(text: str) -> Expression:
+    """Read an expression.
+
+    Parameters
+    ----------
+    text : str
+        Such as ``"3*narrow(handle) + perpendicular(handle, head) + convex_parts"``.
+
+    Returns
+    -------
+    Expression
+
+    Raises
+    ------
+    ExpressionError
+        With a caret under what cannot be understood, and what was expected there.
+
+    Examples
+    --------
+    >>> [term.weight for term in parse("3*narrow(a) - flat(b)").terms]
+    [3.0, -1.0]
+    >>> parse("narrow(a")
+    Traceback (most recent call last):
+        ...
+    moseg_core.errors.ExpressionError: expected ',' or ')', found the end in "narrow(a"
+      narrow(a
+              ^
+    """
+    return _Parser(text).expression()
+
+
+def parse_call(text: str) -> Term:
+    """Read a single call without weight or labels, such as ``pattern_search(expansion=2)``.
+
+    Raises
+    ------
+    ExpressionError
+        Anything else.
+
+    Examples
+    --------
+    >>> parse_call("core:kmeans(rounds=50)").parameters
+    (('rounds', 50.0),)
+    """
+    return _Parser(text).lone_call()
+
+
+class _Parser:
+    """The state of one parse: the tokens and the place reached."""
+
+    def __init__(self, text: str) -> None:
+        self.text = text
+        self.tokens = tokenize(text)
+        self.at = 0
+
+    def expression(self) -> Expression:
+        if self.at_end:
+            raise ExpressionError("the expression is empty; write a term", self.text, 0)
+        terms = [self.term(self.sign(optional=True))]
+        while not self.at_end:
+            terms.append(self.term(self.sign(optional=False)))
+        return Expression(tuple(terms), self.text)
+
+    def lone_call(self) -> Term:
+        term = self.call(1.0)
+        if not self.at_end:
+            self.fail("the end")
+        if term.arguments:
+            start, stop = term.arguments[0].span
+            raise ExpressionError("expected key=number", self.text, start, stop)
+        return term
+
+    def sign(self, *, optional: bool) -> float:
+        if self.peek.text in ("+", "-"):
+            return -1.0 if self.take().text == "-" else 1.0
+        if not optional:
+            self.fail("'+' or '-'")
+        return 1.0
+
+    def term(self, sign: float) -> Term:
+        weight = sign
+        if self.peek.kind == "number":
+            token = self.peek
+            weight *= self.number()
+            if weight == 0:
+                raise ExpressionError(
+                    "a weight of 0 leaves the term out; remove it", self.text, *_span(token)
+                )
+            self.expect("*")
+        return self.call(weight)
+
+    def call(self, weight: float) -> Term:
+        first = self.word("the name of an objective")
+        name, stop = first.text, first.stop
+        if self.peek.text == ":":
+            self.take()
+            second = self.word("a name after ':'")
+            name, stop = f"{first.text}:{second.text}", second.stop
+        arguments: list[Argument] = []
+        parameters: list[tuple[str, float]] = []
+        keys: list[tuple[int, int]] = []
+        if self.peek.text == "(":
+            self.take()
+            if self.peek.text != ")":
+                self.argument(arguments, parameters, keys)
+                while self.peek.text == ",":
+                    self.take()
+                    self.argument(arguments, parameters, keys)
+            if self.peek.text != ")":
+                self.fail("',' or ')'")
+            self.take()
+        return Term(
+            name=name,
+            arguments=tuple(arguments),
+            parameters=tuple(parameters),
+            weight=weight,
+            span=(first.start, stop),
+            keys=tuple(keys),
+        )
+
+    def argument(
+        self,
+        arguments: list[Argument],
+        parameters: list[tuple[str, float]],
+        keys: list[tuple[int, int]],
+    ) -> None:
+        token = self.peek
+        if token.kind not in ("word", "glob"):
+            self.fail("a label")
+        self.take()
+        if self.peek.text == "=":
+            if any(token.text == key for key, _ in parameters):
+                raise ExpressionError(
+                    f"parameter '{token.text}' is given twice", self.text, *_span(token)
+                )
+            self.take()
+            value = self.sign(optional=True) * self.number()
+            parameters.append((token.text, value))
+            keys.append(_span(token))
+        elif parameters:
+            raise ExpressionError("labels come before parameters", self.text, *_span(token))
+        else:
+            arguments.append(Argument(token.text, _span(token)))
+
+    def number(self) -> float:
+        token = self.peek
+        if token.kind != "number":
+            self.fail("a number")
+        value = float(self.take().text)
+        if not math.isfinite(value):
+            raise ExpressionError("the number is too large", self.text, *_span(token))
+        return value
+
+    def word(self, what: str) -> Token:
+        kinds: tuple[TokenKind, ...] = ("word",)
+        if self.peek.kind not in kinds or self.peek.text[0].isdigit():
+            self.fail(what)
+        return self.take()
+
+    def expect(self, symbol: str) -> None:
+        if self.peek.text != symbol:
+            self.fail(f"'{symbol}'")
+        self.take()
+
+    @property
+    def peek(self) -> Token:
+        return self.tokens[self.at]
+
+    @property
+    def at_end(self) -> bool:
+        return self.peek.kind == "end"
+
+    def take(self) -> Token:
+        token = self.tokens[self.at]
+        self.at += 1
+        return token
+
+    def fail(self, expected: str) -> None:
+        token = self.peek
+        found = "the end" if token.kind == "end" else f"'{token.text}'"
+        raise ExpressionError(f"expected {expected}, found {found}", self.text, *_span(token))
+
+
+def _span(token: Token) -> tuple[int, int]:
+    return token.start, max(token.stop, token.start + 1)

@@ -1,0 +1,83 @@
+"""Characters to tokens, each with its place in the text.
+
+The one subtlety is ``*``: between a number and a name it multiplies, inside parentheses it is
+always part of a glob, so that ``10*narrow(leg*)`` means what it looks like. The tokenizer
+therefore counts parentheses. The characters ``/ @ { } ..`` are reserved for later.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import Literal
+
+from moseg_core.errors import ExpressionError
+
+TokenKind = Literal["number", "word", "glob", "symbol", "end"]
+
+_SPACE = re.compile(r"\s*")
+_NUMBER = re.compile(r"(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?(?![\w.])")
+_WORD = re.compile(r"\w+", re.ASCII)
+_GLOB = re.compile(r"[\w*]+", re.ASCII)
+_RESERVED = re.compile(r"\.\.|[/@{}]")
+
+
+@dataclass(frozen=True)
+class Token:
+    """A token: ``text`` stands at ``start`` in the expression."""
+
+    kind: TokenKind
+    text: str
+    start: int
+
+    @property
+    def stop(self) -> int:
+        """Where the token ends."""
+        return self.start + len(self.text)
+
+
+def tokenize(text: str) -> list[Token]:
+    """Split an expression into tokens; the last one has the kind "end".
+
+    Raises
+    ------
+    ExpressionError
+        A character that means nothing here, or is reserved.
+
+    Examples
+    --------
+    >>> [token.text for token in tokenize("10*narrow(leg*)")][:-1]
+    ['10', '*', 'narrow', '(', 'leg*', ')']
+    """
+    tokens: list[Token] = []
+    depth = 0
+    value_next = False
+    at = 0
+    while True:
+        at = _SPACE.match(text, at).end()  # type: ignore[union-attr]  # matches everywhere
+        if at == len(text):
+            tokens.append(Token("end", "", at))
+            return tokens
+        token = _token_at(text, at, inside=depth > 0, value=value_next)
+        depth += {"(": 1, ")": -1}.get(token.text, 0)
+        value_next = token.text == "=" or (value_next and token.text in "+-")
+        tokens.append(token)
+        at = token.stop
+
+
+def _token_at(text: str, at: int, *, inside: bool, value: bool) -> Token:
+    """The token at a place; `inside` parentheses words may be globs, a `value` is a number."""
+    number = _NUMBER.match(text, at)
+    if number and (value or not inside):
+        return Token("number", number.group(), at)
+    if inside and (glob := _GLOB.match(text, at)):
+        return Token("glob" if "*" in glob.group() else "word", glob.group(), at)
+    if not inside and (word := _WORD.match(text, at)):
+        return Token("word", word.group(), at)
+    if reserved := _RESERVED.match(text, at):
+        raise ExpressionError(
+            f"'{reserved.group()}' is reserved for later versions", text, at, reserved.end()
+        )
+    if text[at] in "+-*(),=:":
+        return Token("symbol", text[at], at)
+    raise ExpressionError(f"unexpected character {text[at]!r}", text, at)

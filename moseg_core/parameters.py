@@ -1,0 +1,183 @@
+"""Parameters of components: declared once, in the signature, and checked everywhere.
+
+A component's parameters are the keyword-only arguments of the function or class that implements
+it. Their defaults and annotations are the declaration, bounds included::
+
+    def area_fraction(part, *, most: Annotated[float, Interval(0, 1)] = 1.0): ...
+
+From that one place come the check of ``key=number`` in an expression or a recipe, the defaults,
+and what the documentation shows.
+"""
+
+from __future__ import annotations
+
+import inspect
+import math
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass
+from typing import Annotated, Any, get_args, get_origin, get_type_hints
+
+from moseg_core.errors import UsageError, unknown
+
+
+@dataclass(frozen=True)
+class Interval:
+    """Closed bounds of a numeric parameter, for use in ``Annotated``.
+
+    Examples
+    --------
+    >>> 0.5 in Interval(0, 1), 2 in Interval(0, 1)
+    (True, False)
+    """
+
+    low: float = -math.inf
+    high: float = math.inf
+
+    def __contains__(self, value: float) -> bool:
+        return self.low <= value <= self.high
+
+    def __str__(self) -> str:
+        if self.low == -math.inf and self.high == math.inf:
+            return "any number"
+        if self.high == math.inf:
+            return f"{self.low:g} or more"
+        if self.low == -math.inf:
+            return f"{self.high:g} or less"
+        return f"{self.low:g} to {self.high:g}"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Parameter:
+    """One declared parameter.
+
+    Parameters
+    ----------
+    name : str
+    type : type
+        ``float``, ``int``, ``bool`` or ``str``.
+    default : object or None
+        None where a value must be given, or where None is the default.
+    interval : Interval
+        Allowed values of a number.
+    required : bool
+    optional : bool
+        Whether None is allowed.
+    """
+
+    name: str
+    type: type
+    default: Any = None
+    interval: Interval = Interval()
+    required: bool = False
+    optional: bool = False
+
+    def check(self, value: Any, owner: str) -> Any:
+        """The value in the declared type, or a UsageError that names `owner` and parameter."""
+        if value is None and self.optional:
+            return None
+        if self.type in (int, float):
+            if isinstance(value, bool) or not isinstance(value, (int, float)):
+                raise UsageError(
+                    f"{owner}: parameter '{self.name}' must be a number, not {value!r}"
+                )
+            if self.type is int and value != int(value):
+                raise UsageError(f"{owner}: parameter '{self.name}' must be whole, not {value:g}")
+            if value not in self.interval:
+                raise UsageError(
+                    f"{owner}: parameter '{self.name}' is {value:g}; allowed is {self.interval}"
+                )
+        elif not isinstance(value, self.type):
+            raise UsageError(
+                f"{owner}: parameter '{self.name}' must be a {self.type.__name__}, not {value!r}"
+            )
+        return self.type(value)
+
+
+def declared_parameters(
+    target: Callable[..., Any], *, reserved: Collection[str] = ()
+) -> tuple[Parameter, ...]:
+    """The parameters of a function, or of a class's ``__init__``: its keyword-only arguments.
+
+    Parameters
+    ----------
+    target : callable
+    reserved : collection of str
+        Keyword-only arguments that the caller provides, not the user.
+
+    Raises
+    ------
+    TypeError
+        A parameter whose type is none of float, int, bool and str.
+
+    Examples
+    --------
+    >>> def tube(part, *, radius: Annotated[float, Interval(0)] = 1.0): ...
+    >>> [(p.name, p.type, str(p.interval)) for p in declared_parameters(tube)]
+    [('radius', <class 'float'>, '0 or more')]
+    """
+    function = getattr(target, "__init__") if isinstance(target, type) else target  # noqa: B009  # mypy
+    hints = get_type_hints(function, include_extras=True)
+    found = []
+    for parameter in inspect.signature(target).parameters.values():
+        if parameter.kind is not inspect.Parameter.KEYWORD_ONLY or parameter.name in reserved:
+            continue
+        required = parameter.default is inspect.Parameter.empty
+        annotation = hints.get(parameter.name, float if required else type(parameter.default))
+        kind, interval, optional = _read_annotation(annotation)
+        if kind not in (float, int, bool, str):
+            raise TypeError(
+                f"parameter '{parameter.name}' of {getattr(target, '__name__', target)!r} must be"
+                f" annotated as float, int, bool or str, not {annotation!r}"
+            )
+        found.append(
+            Parameter(
+                name=parameter.name,
+                type=kind,
+                default=None if required else parameter.default,
+                interval=interval,
+                required=required,
+                optional=optional,
+            )
+        )
+    return tuple(found)
+
+
+def check_parameters(
+    declared: tuple[Parameter, ...], given: Mapping[str, Any], owner: str
+) -> dict[str, Any]:
+    """The given values, checked against the declaration.
+
+    Parameters
+    ----------
+    declared : tuple of Parameter
+    given : mapping of str to value
+    owner : str
+        Whose parameters they are, for messages: ``"optimizer 'core:pattern_search'"``.
+
+    Raises
+    ------
+    UsageError
+        An unknown parameter, with the nearest name; one that is missing or out of range.
+    """
+    by_name = {parameter.name: parameter for parameter in declared}
+    for name in given:
+        if name not in by_name:
+            raise UsageError(f"{owner}: {unknown('parameter', name, by_name)}")
+    for parameter in declared:
+        if parameter.required and parameter.name not in given:
+            raise UsageError(f"{owner}: parameter '{parameter.name}' is missing")
+    return {name: by_name[name].check(value, owner) for name, value in given.items()}
+
+
+def _read_annotation(annotation: Any) -> tuple[Any, Interval, bool]:
+    """(type, interval, whether None is allowed) of ``Annotated[float | None, Interval(...)]``."""
+    interval = Interval()
+    if get_origin(annotation) is Annotated:
+        annotation, *extras = get_args(annotation)
+        interval = next((extra for extra in extras if isinstance(extra, Interval)), interval)
+    choices = get_args(annotation)
+    optional = type(None) in choices
+    if optional:
+        rest = [choice for choice in choices if choice is not type(None)]
+        annotation = rest[0] if len(rest) == 1 else annotation
+    return annotation, interval, optional

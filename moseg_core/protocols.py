@@ -1,0 +1,264 @@
+"""What a component must do to take part: one small protocol per kind.
+
+Only the shape of the calls is fixed here; a component is any object that answers them. The life
+of a search, and who calls whom::
+
+    seeder      evaluator, rng            -> centres                      (Sec. 5)
+    labeler     evaluator, vector         -> which centre gets which label (Sec. 6)
+    optimizer   ask() -> vectors, tell(costs), until done                 (Sec. 7)
+    evaluator   vectors -> labels (parameterization) -> parts -> costs (objectives)
+
+Seeders, labelers, optimizers and parameterizations are constructed with their parameters as
+keyword arguments, which :mod:`moseg_core.parameters` reads from their signature. Optimizers can
+be pickled between ``tell`` and ``ask``; that is how a run is checkpointed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
+
+import numpy as np
+
+from moseg_core.cost import Cost
+from moseg_core.objectives import Traits
+from moseg_core.parameters import Parameter
+from moseg_core.shape import Shape
+from moseg_core.types import FloatArray, Int32Array, IntArray
+
+if TYPE_CHECKING:
+    from moseg_core.evaluation import Evaluator
+
+
+@runtime_checkable
+class Objective(Protocol):
+    """A cost of one part, of several, or of the whole. See :func:`moseg_core.objective`."""
+
+    @property
+    def traits(self) -> Traits:
+        """Arity, range, requirements, invariances and cost class."""
+        ...
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """Declared parameters, given in an expression as ``key=number``."""
+        ...
+
+    def __call__(self, subject: Any, /, **parameters: Any) -> float:
+        """The value; `subject` is a Part, a sequence of parts or a Segmentation."""
+        ...
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Centers:
+    """What a vector means: centres with their weights.
+
+    Parameters
+    ----------
+    positions : (n, 3) float, model units
+    weights : (n,) float
+        Positive; only their ratios matter.
+    """
+
+    positions: FloatArray
+    weights: FloatArray
+
+
+@runtime_checkable
+class Parameterization(Protocol):
+    """A family of segmentations, described by vectors of real numbers (Sec. 4).
+
+    Constructed with ``(shape, n_parts)`` and parameters. Vectors are in unit coordinates: a step
+    of ``s`` along coordinate ``k`` is a step of ``s * scale[k]``.
+    """
+
+    @property
+    def n_parts(self) -> int:
+        """Number of parts, n."""
+        ...
+
+    @property
+    def lower(self) -> FloatArray:
+        """(m,) float: least feasible value of each coordinate; -inf where unbounded."""
+        ...
+
+    @property
+    def upper(self) -> FloatArray:
+        """(m,) float: greatest feasible value of each coordinate."""
+        ...
+
+    @property
+    def scale(self) -> FloatArray:
+        """(m,) float: the natural size of a step of 1 along each coordinate."""
+        ...
+
+    def labels(self, vectors: FloatArray) -> Int32Array:
+        """(B, F) int32: for each of (B, m) vectors the part of every element."""
+        ...
+
+    def encode(self, centers: Centers) -> FloatArray:
+        """(m,) float: the vector of given centres."""
+        ...
+
+    def decode(self, vector: FloatArray) -> Centers:
+        """The centres that a vector describes; inverse of :meth:`encode`."""
+        ...
+
+    def distances(self, vector: FloatArray, points: FloatArray) -> FloatArray:
+        """(P, n) float: how far each point (model units) is from each part; least wins."""
+        ...
+
+    def permute(self, vector: FloatArray, order: IntArray) -> FloatArray:
+        """(m,) float: the vector whose part ``j`` is part ``order[j]`` of the given one."""
+        ...
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Seeding:
+    """What a seeder returns.
+
+    Parameters
+    ----------
+    centers : (n, 3) float, model units
+    history : tuple of dict
+        One record per round, of numbers only, for the convergence curves.
+    warning : str
+        What the user should know; empty where all is well.
+    """
+
+    centers: FloatArray
+    history: tuple[dict[str, float], ...] = ()
+    warning: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Progress:
+    """How far a run has come.
+
+    Parameters
+    ----------
+    stage : str
+        "k-means", "pattern_search".
+    done : int
+        Rounds or evaluations so far.
+    best : Cost or None
+        The best cost so far, where one is known.
+    fraction : float or None
+        Estimated share of the stage that is done.
+    """
+
+    stage: str
+    done: int
+    best: Cost | None = None
+    fraction: float | None = None
+
+
+Report = Callable[[Progress], None]
+"""Called now and then while a run goes on."""
+
+
+@runtime_checkable
+class Seeder(Protocol):
+    """An initial placement of the centres, all of weight 1 (Sec. 5)."""
+
+    def __call__(
+        self, evaluator: Evaluator, *, rng: np.random.Generator, report: Report
+    ) -> Seeding:
+        """Place one centre per label of the evaluator's problem."""
+        ...
+
+
+@runtime_checkable
+class Labeler(Protocol):
+    """An assignment of labels to centres (Sec. 6)."""
+
+    def __call__(self, evaluator: Evaluator, vector: FloatArray) -> IntArray:
+        """(n,) int: entry ``j`` is the centre that label ``j`` goes to; a permutation."""
+        ...
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Batch:
+    """Candidates that an optimizer wants to know the costs of.
+
+    Parameters
+    ----------
+    vectors : (B, m) float
+        All feasible.
+    cutoff : Cost or None
+        A promise: costs that are not below the cutoff need not be exact. They may be answered
+        by any lower bound that is not below the cutoff either.
+    best_only : bool
+        A promise: only the least cost of the batch matters, and of equal ones the first. It lets
+        the evaluator leave out the expensive terms of candidates that cannot be the best.
+    """
+
+    vectors: FloatArray
+    cutoff: Cost | None = None
+    best_only: bool = False
+
+
+@runtime_checkable
+class Optimizer(Protocol):
+    """A search over vectors, by ask and tell (Sec. 7).
+
+    Constructed with ``(start, lower, upper, scale)``, then ``rng=`` and parameters. The first
+    batch must contain `start`.
+    """
+
+    @property
+    def finished(self) -> str:
+        """Why the search ended, "converged" or the limit that it met; empty while it goes on."""
+        ...
+
+    @property
+    def best(self) -> tuple[FloatArray, Cost]:
+        """The best vector told so far, and its cost."""
+        ...
+
+    @property
+    def history(self) -> tuple[dict[str, float], ...]:
+        """One record per iteration, of numbers only."""
+        ...
+
+    @property
+    def progress(self) -> float:
+        """Estimated share of the search that is done, 0 to 1."""
+        ...
+
+    def ask(self) -> Batch:
+        """The candidates to evaluate next; at least one unless finished."""
+        ...
+
+    def tell(self, costs: Sequence[Cost]) -> None:
+        """The costs of the batch last asked for, in its order."""
+        ...
+
+
+class Constraint(Protocol):
+    """A map from fewer, free numbers to a whole vector (Sec. 8)."""
+
+    def expand(self, free: FloatArray) -> FloatArray:
+        """(m,) float from the (k,) free ones, k <= m."""
+        ...
+
+    def reduce(self, vector: FloatArray) -> FloatArray:
+        """(k,) float: the free numbers of the feasible vector nearest to the given one."""
+        ...
+
+
+class Embedding(Protocol):
+    """A deformation of the shape in which the partition is found instead (Sec. 9)."""
+
+    def __call__(self, shape: Shape) -> Shape:
+        """The embedded shape, with the same elements in the same order."""
+        ...
+
+
+class Refiner(Protocol):
+    """An improvement of a finished labelling, such as a smoother boundary."""
+
+    def __call__(self, evaluator: Evaluator, labels: Int32Array) -> Int32Array:
+        """(F,) int32: the improved labels."""
+        ...

@@ -1,0 +1,120 @@
+"""Recipes: problems with a name, kept as TOML so that they can be read, sent and changed.
+
+::
+
+    description = "A narrow handle with a head set across it."
+    labels = ["handle", "head"]
+    minimize = "3*narrow(handle) + perpendicular(handle, head) + convex_parts"
+    seeder = "kmeans"                       # optional, as are labeler and optimizer
+    optimizer = "pattern_search(expansion=2)"
+
+Bundles bring recipes through the hook ``moseg_recipes``; anybody else gives a path.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from moseg_core.errors import UsageError, unknown
+from moseg_core.method import Choice, Method
+from moseg_core.plugins import Registry, registry
+from moseg_core.problem import check_label_names
+from moseg_core.specs import Kind
+
+_METHOD_KEYS: tuple[Kind, ...] = ("parameterization", "seeder", "labeler", "optimizer")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Recipe:
+    """A named problem and the components to solve it with.
+
+    Parameters
+    ----------
+    name : str
+    labels : tuple of str
+    minimize : str
+    method : Method
+    description : str
+    """
+
+    name: str
+    labels: tuple[str, ...]
+    minimize: str
+    method: Method = field(default_factory=Method)
+    description: str = ""
+
+
+def parse_recipe(text: str, name: str) -> Recipe:
+    r"""Read the TOML text of a recipe.
+
+    Parameters
+    ----------
+    text : str
+    name : str
+        What to call it in messages.
+
+    Raises
+    ------
+    UsageError
+        Not TOML, an unknown or missing key, or a value of the wrong kind.
+
+    Examples
+    --------
+    >>> parse_recipe('labels = ["a"]\nminimize = "narrow(a)"', "mine").labels
+    ('a',)
+    """
+    try:
+        table = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise UsageError(f"recipe '{name}' is not valid TOML: {error}") from error
+    allowed = ("description", "labels", "minimize", *_METHOD_KEYS)
+    for key in table:
+        if key not in allowed:
+            raise UsageError(f"recipe '{name}': {unknown('key', key, allowed)}")
+    labels = _required(table, "labels", list, name)
+    return Recipe(
+        name=name,
+        labels=check_label_names(labels),
+        minimize=_required(table, "minimize", str, name),
+        method=Method(
+            **{key: Choice.read(table[key], key) for key in _METHOD_KEYS if key in table}
+        ),
+        description=table.get("description", ""),
+    )
+
+
+def load_recipe(name: str, *, source: Registry | None = None) -> Recipe:
+    """A recipe by name, or from a ``.toml`` file by path.
+
+    Raises
+    ------
+    UsageError
+        Unknown name, with the nearest; a file that does not exist or is malformed.
+    PluginError
+        The recipe's bundle is broken.
+
+    Examples
+    --------
+    >>> load_recipe("hammer").labels
+    ('handle', 'head')
+    """
+    if name.endswith(".toml") or "/" in name or "\\" in name:
+        try:
+            text = Path(name).read_text(encoding="utf-8")
+        except (OSError, UnicodeDecodeError) as error:
+            raise UsageError(f"recipe '{name}' cannot be read: {error}") from error
+        return parse_recipe(text, Path(name).stem)
+    component = (registry() if source is None else source).find("recipe", name)
+    return parse_recipe(str(component.load()), component.spec.name)
+
+
+def _required(table: Mapping[str, Any], key: str, kind: type, name: str) -> Any:
+    if not isinstance(table.get(key), kind):
+        what = "a list of names" if kind is list else "a text"
+        found = repr(table[key]) if key in table else "missing"
+        raise UsageError(f"recipe '{name}': '{key}' must be {what}; it is {found}")
+    return table[key]

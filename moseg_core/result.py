@@ -1,0 +1,97 @@
+"""What a run returns: the labels, what they cost term by term, and how they were found."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from types import MappingProxyType
+
+from moseg_core.aggregate import Evaluation
+from moseg_core.part import Part
+from moseg_core.problem import Problem
+from moseg_core.protocols import Centers
+from moseg_core.segmentation import Segmentation
+from moseg_core.shape import Shape
+from moseg_core.types import Int32Array
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Result:
+    """A labelled segmentation.
+
+    Parameters
+    ----------
+    shape : Shape
+    problem : Problem
+    labels : (F,) int32
+        Index into ``problem.labels`` for every input face, in file order.
+    evaluation : Evaluation
+        Cost by term and part, of these labels.
+    centers : Centers
+        One centre per label, in model units.
+    history : mapping of str to tuple of dict
+        For each stage a record per round or iteration.
+    method : mapping of str to str
+        Parameterization, seeder, labeler and optimizer as chosen.
+    seed : int
+    versions : mapping of str to str
+        For the id of every component used the distribution that it came from.
+    reason : str
+        Why the search ended: "converged", or the limit that it met.
+    warnings : tuple of str
+    """
+
+    shape: Shape
+    problem: Problem
+    labels: Int32Array
+    evaluation: Evaluation
+    centers: Centers
+    history: Mapping[str, tuple[dict[str, float], ...]]
+    method: Mapping[str, str]
+    seed: int
+    versions: Mapping[str, str]
+    reason: str
+    warnings: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        names = ", ".join(self.problem.labels)
+        return f"Result({self.shape.name}: {names}; cost {self.cost:.6g}, {self.reason})"
+
+    @property
+    def cost(self) -> float:
+        """Value of the aggregate objective."""
+        return self.evaluation.cost.value
+
+    @cached_property
+    def segmentation(self) -> Segmentation:
+        """The labelled shape."""
+        return Segmentation.from_labels(self.shape, self.labels, len(self.problem.labels))
+
+    @cached_property
+    def parts(self) -> Mapping[str, Part]:
+        """Each part by its label: ``result.parts["handle"].to_mesh()``."""
+        return MappingProxyType(
+            dict(zip(self.problem.labels, self.segmentation.parts, strict=True))
+        )
+
+
+def find_warnings(
+    evaluation: Evaluation, segmentation: Segmentation, labels: tuple[str, ...], reason: str
+) -> tuple[str, ...]:
+    """What a user should know before trusting a result."""
+    found = []
+    if reason != "converged":
+        found.append(f"the search ended on its limit ({reason}); a longer one may find better")
+    found += [
+        f"part '{name}' is empty; terms about it are left out of the cost"
+        for name in evaluation.empty
+    ]
+    for term in evaluation.terms:
+        for call in term.at_worst:
+            about = f" for {', '.join(call.labels)}" if call.labels else ""
+            found.append(f"{term.objective} is at its worst value, {call.value:g}{about}")
+    for name, part in zip(labels, segmentation.parts, strict=True):
+        if part.n_elements and part.n_components > 1:
+            found.append(f"part '{name}' is in {part.n_components} pieces")
+    return tuple(found)

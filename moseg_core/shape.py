@@ -1,0 +1,260 @@
+"""A shape: surface elements of any kind, with what the method needs to know of each.
+
+Section 4 of the paper classifies *surface elements* (mesh faces here; cloud points or voxels
+through the same type) by a point that stands for each. Everything that a part measures from its
+elements, area, centroid and principal axes, follows from three exact numbers per element:
+
+- its area ``A``,
+- its centroid, ``(1/A) int x dA``,
+- its second moment ``int (x - o)(x - o)^T dA`` about the shape's centre ``o``.
+
+These add up over the elements of a part, so that a part's PCA does not depend on how its
+surface is tessellated. The geometry itself stays at hand for measures that need more.
+
+A shape is in the user's own units. The search works in *unit coordinates*, in which the centre
+of the bounding box is the origin and its diagonal is 1; :class:`Frame` goes between the two.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from moseg_core.adjacency import Adjacency, enclosed_volume, mesh_adjacency
+from moseg_core.errors import ShapeError
+from moseg_core.mesh import PolygonMesh
+from moseg_core.types import FloatArray, IntArray
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """Unit coordinates: ``unit = (x - center) / scale``.
+
+    Parameters
+    ----------
+    center : (3,) float, model units
+        Centre of the bounding box.
+    scale : float, model units
+        Length of the bounding box's diagonal.
+    """
+
+    center: FloatArray
+    scale: float
+
+    def to_unit(self, points: FloatArray) -> FloatArray:
+        """Model units to unit coordinates."""
+        return (points - self.center) / self.scale
+
+    def to_model(self, points: FloatArray) -> FloatArray:
+        """Unit coordinates to model units."""
+        return points * self.scale + self.center
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Shape:
+    """Surface elements with their areas, moments and neighbours.
+
+    Build one with :meth:`from_mesh` or :func:`moseg_core.load`.
+
+    Parameters
+    ----------
+    points : (F, 3) float, model units
+        Where each element is: the centroid of a face.
+    areas : (F,) float, model units squared
+    second_moments : (F, 6) float
+        xx, xy, xz, yy, yz, zz of each element's second moment about ``frame.center``.
+    frame : Frame
+    adjacency : Adjacency or None
+        None where it is not known: segments cannot then be kept connected.
+    volume : float or None, model units cubed
+        Enclosed volume; None where the surface encloses none.
+    volume_reason : str
+        Why there is no volume; empty where there is one.
+    geometry : PolygonMesh
+        The faces that the elements stand for.
+    notes : tuple of str
+        What was noticed on the way in: degenerate faces, several components, holes.
+    space, resolution : str
+        Which version of the user's shape this is; part of every memo key.
+    """
+
+    points: FloatArray
+    areas: FloatArray
+    second_moments: FloatArray
+    frame: Frame
+    adjacency: Adjacency | None
+    volume: float | None
+    volume_reason: str = ""
+    geometry: PolygonMesh
+    notes: tuple[str, ...] = ()
+    space: str = "original"
+    resolution: str = "full"
+    name: str = field(default="shape")
+
+    @classmethod
+    def from_mesh(
+        cls,
+        vertices: Any,
+        faces: npt.ArrayLike | Iterable[Sequence[int]] | None = None,
+        *,
+        name: str = "shape",
+    ) -> Shape:
+        """From vertices and polygons, or from anything with ``vertices`` and ``faces``.
+
+        Parameters
+        ----------
+        vertices : (V, 3) array_like of float, model units; or a trimesh object
+        faces : (F, k) array_like of int, or an iterable of sequences, optional
+            One element, and so one label, per face, in this order.
+        name : str
+            What to call the shape in messages.
+
+        Returns
+        -------
+        Shape
+
+        Raises
+        ------
+        ShapeError
+            Empty or malformed arrays, coordinates that are not finite, no face with an area.
+
+        Examples
+        --------
+        >>> shape = Shape.from_mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+        >>> shape.n_elements, shape.areas.tolist()
+        (1, [0.5])
+        """
+        if faces is None:
+            if not (hasattr(vertices, "vertices") and hasattr(vertices, "faces")):
+                raise ShapeError("from_mesh takes vertices and faces, or a trimesh object")
+            vertices, faces = np.asarray(vertices.vertices), np.asarray(vertices.faces)
+        mesh = PolygonMesh.from_faces(vertices, faces)
+        return cls.from_polygon_mesh(mesh, name=name)
+
+    @classmethod
+    def from_polygon_mesh(cls, mesh: PolygonMesh, *, name: str = "shape") -> Shape:
+        """From a mesh that was checked already; see :meth:`from_mesh`."""
+        used = mesh.vertices[mesh.corners]
+        low, high = used.min(axis=0), used.max(axis=0)
+        scale = float(np.linalg.norm(high - low))
+        frame = Frame((low + high) / 2.0, scale)
+        points, areas, second = _element_moments(mesh, frame.center)
+        # A bounding box of no extent, or needles only: nothing to measure areas against.
+        degenerate = areas <= 1e-14 * scale**2
+        if scale == 0.0 or degenerate.all():
+            raise ShapeError(
+                f"all {mesh.n_polygons} faces are degenerate: they have no area to segment"
+            )
+        adjacency = mesh_adjacency(mesh)
+        volume, reason = enclosed_volume(mesh)
+        return cls(
+            points=points,
+            areas=areas,
+            second_moments=second,
+            frame=frame,
+            adjacency=adjacency,
+            volume=volume,
+            volume_reason=reason,
+            geometry=mesh,
+            notes=_notes(mesh, adjacency, int(degenerate.sum()), reason),
+            name=name,
+        )
+
+    @property
+    def n_elements(self) -> int:
+        """Number of surface elements, F."""
+        return len(self.areas)
+
+    @cached_property
+    def unit_points(self) -> FloatArray:
+        """(F, 3) float: the elements in unit coordinates, in which the search works."""
+        return self.frame.to_unit(self.points)
+
+    @cached_property
+    def first_moments(self) -> FloatArray:
+        """(F, 3) float: area times centroid of each element, about ``frame.center``."""
+        return self.areas[:, None] * (self.points - self.frame.center)
+
+    @cached_property
+    def area(self) -> float:
+        """Total surface area, model units squared."""
+        return float(self.areas.sum())
+
+    @cached_property
+    def box_diagonal(self) -> float:
+        """Diagonal of the bounding box in the shape's own PCA axes, model units.
+
+        Unlike ``frame.scale``, the diagonal in the file's axes, it does not change when the
+        shape is rotated.
+        """
+        first = self.first_moments.sum(axis=0) / self.area
+        xx, xy, xz, yy, yz, zz = self.second_moments.sum(axis=0) / self.area
+        second = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        _, axes = np.linalg.eigh(second - np.outer(first, first))
+        corners = self.geometry.vertices[np.unique(self.geometry.corners)] @ axes
+        return float(np.linalg.norm(np.ptp(corners, axis=0)))
+
+    @cached_property
+    def fingerprint(self) -> str:
+        """Hexadecimal digest of the geometry; equal for equal files, whatever their names."""
+        digest = hashlib.sha256()
+        for array in (self.geometry.vertices, self.geometry.corners, self.geometry.offsets):
+            digest.update(np.ascontiguousarray(array).tobytes())
+        return digest.hexdigest()[:16]
+
+    @cached_property
+    def triangle_ranges(self) -> IntArray:
+        """(F + 1,) int: element ``f`` has the triangles ``[f]`` to ``[f + 1]``."""
+        return np.searchsorted(self.geometry.triangle_polygon, np.arange(self.n_elements + 1))
+
+
+def _element_moments(
+    mesh: PolygonMesh, origin: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Centroid (F, 3), area (F,) and second moments (F, 6) about `origin` of each polygon.
+
+    Over a triangle with corners a, b, c and area A, ``int x x^T dA`` is
+    ``A/12 (a a^T + b b^T + c c^T + s s^T)`` with ``s = a + b + c``.
+    """
+    corners = mesh.vertices[mesh.triangles] - origin
+    edge1, edge2 = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    area = np.linalg.norm(np.cross(edge1, edge2), axis=1) / 2.0
+    total = corners.sum(axis=1)
+    i, j = np.array([0, 0, 0, 1, 1, 2]), np.array([0, 1, 2, 1, 2, 2])
+    second = (corners[:, :, i] * corners[:, :, j]).sum(axis=1) + total[:, i] * total[:, j]
+    second *= area[:, None] / 12.0
+    first = total * area[:, None] / 3.0
+    middle = total / 3.0
+
+    starts = np.searchsorted(mesh.triangle_polygon, np.arange(mesh.n_polygons))
+    areas = np.add.reduceat(area, starts)
+    first = np.add.reduceat(first, starts, axis=0)
+    # A polygon of no area has no centroid by area: the mean of its triangles' stands in.
+    count = np.diff(np.append(starts, len(area)))
+    mean = np.add.reduceat(middle, starts, axis=0) / count[:, None]
+    with np.errstate(invalid="ignore", divide="ignore"):
+        points = np.where(areas[:, None] > 0, first / areas[:, None], mean)
+    return points + origin, areas, np.add.reduceat(second, starts, axis=0)
+
+
+def _notes(
+    mesh: PolygonMesh, adjacency: Adjacency, degenerate: int, volume_reason: str
+) -> tuple[str, ...]:
+    notes = []
+    duplicates = len(mesh.vertices) - int(mesh.merged.max()) - 1
+    if duplicates:
+        notes.append(f"{duplicates} duplicate vertices, joined by position")
+    if degenerate:
+        notes.append(f"{degenerate} faces have no area; they take part and carry no weight")
+    components, _ = adjacency.components()
+    if components > 1:
+        notes.append(f"the surface has {components} connected components")
+    if volume_reason:
+        notes.append(f"encloses no volume: {volume_reason}")
+    return tuple(notes)

@@ -1,0 +1,122 @@
+"""Cutting polygons into triangles without losing track of which is whose.
+
+Triangles pass through. A quad is cut along the diagonal whose two halves agree in direction, so
+that a concave or bent one does not fold over itself. Larger polygons are clipped ear by ear in
+the plane of their Newell normal.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from moseg_core.types import FloatArray, IntArray
+
+
+def triangulate_polygons(
+    vertices: FloatArray, corners: IntArray, offsets: IntArray
+) -> tuple[IntArray, IntArray]:
+    """Triangulate every polygon of a mesh.
+
+    Parameters
+    ----------
+    vertices : (V, 3) float
+    corners : (C,) int
+    offsets : (F + 1,) int
+        As in :class:`moseg_core.mesh.PolygonMesh`.
+
+    Returns
+    -------
+    triangles : (T, 3) int
+        k - 2 triangles for a polygon of k corners, with its orientation.
+    polygon : (T,) int
+        The polygon of each triangle, ascending.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> square = np.array([[0., 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+    >>> triangles, polygon = triangulate_polygons(square, np.arange(4), np.array([0, 4]))
+    >>> triangles.tolist(), polygon.tolist()
+    ([[0, 1, 2], [0, 2, 3]], [0, 0])
+    """
+    sizes = np.diff(offsets)
+    if (sizes == 3).all():
+        return corners.reshape(-1, 3), np.arange(len(sizes))
+    first = np.concatenate([[0], np.cumsum(sizes - 2)])
+    triangles = np.empty((int(first[-1]), 3), np.int64)
+    polygon = np.repeat(np.arange(len(sizes)), sizes - 2)
+
+    three = np.flatnonzero(sizes == 3)
+    triangles[first[three]] = corners[offsets[three][:, None] + np.arange(3)]
+
+    four = np.flatnonzero(sizes == 4)
+    if len(four):
+        quads = corners[offsets[four][:, None] + np.arange(4)]
+        halves = _split_quads(vertices, quads)
+        triangles[first[four]], triangles[first[four] + 1] = halves[:, 0], halves[:, 1]
+
+    for f in np.flatnonzero(sizes > 4):
+        ring = corners[offsets[f] : offsets[f + 1]]
+        triangles[first[f] : first[f + 1]] = ring[_clip_ears(vertices[ring])]
+    return triangles, polygon
+
+
+def _split_quads(vertices: FloatArray, quads: IntArray) -> IntArray:
+    """(Q, 2, 3) triangles, each quad cut along the better of its two diagonals."""
+    by_first = quads[:, [[0, 1, 2], [0, 2, 3]]]
+    by_second = quads[:, [[1, 2, 3], [1, 3, 0]]]
+    agreement = []
+    for halves in (by_first, by_second):
+        p = vertices[halves]
+        normals = np.cross(p[:, :, 1] - p[:, :, 0], p[:, :, 2] - p[:, :, 0])
+        agreement.append(np.einsum("qi,qi->q", normals[:, 0], normals[:, 1]))
+    use_second = (agreement[0] <= 0) & (agreement[1] > agreement[0])
+    return np.where(use_second[:, None, None], by_second, by_first)
+
+
+def _clip_ears(points: FloatArray) -> IntArray:
+    """(k - 2, 3) local corner indices of a simple polygon, by ear clipping.
+
+    Where no ear is left (the polygon crosses itself) the sharpest remaining corner is cut, so
+    that the number of triangles is always k - 2.
+    """
+    following = np.roll(points, -1, axis=0)
+    normal = np.cross(points, following).sum(axis=0)
+    drop = int(np.argmax(np.abs(normal)))
+    plane = np.delete(points, drop, axis=1)
+    # The projection keeps the polygon counter-clockwise when seen along the dropped axis.
+    if (normal[drop] < 0) != (drop == 1):
+        plane = plane[:, ::-1]
+    ring = list(range(len(points)))
+    triangles: list[list[int]] = []
+    while len(ring) > 3:
+        triples = [(ring[i - 1], ring[i], ring[(i + 1) % len(ring)]) for i in range(len(ring))]
+        turns = [_turn(plane, *triple) for triple in triples]
+        ear = next(
+            (
+                i
+                for i, triple in enumerate(triples)
+                if turns[i] > 0 and not _holds_corner(plane, triple, ring)
+            ),
+            int(np.argmax(turns)),
+        )
+        triangles.append(list(triples[ear]))
+        del ring[ear]
+    triangles.append(ring)
+    return np.array(triangles, np.int64)
+
+
+def _turn(plane: FloatArray, a: int, b: int, c: int) -> float:
+    """Twice the signed area of the triangle a, b, c in the plane."""
+    u, v = plane[b] - plane[a], plane[c] - plane[a]
+    return float(u[0] * v[1] - u[1] * v[0])
+
+
+def _holds_corner(plane: FloatArray, triple: tuple[int, int, int], ring: list[int]) -> bool:
+    """Whether another corner of the ring lies in or on the triangle."""
+    a, b, c = triple
+    return any(
+        _turn(plane, a, b, p) >= 0 and _turn(plane, b, c, p) >= 0 and _turn(plane, c, a, p) >= 0
+        for p in ring
+        if p not in triple and not any(np.array_equal(plane[p], plane[q]) for q in triple)
+    )

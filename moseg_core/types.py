@@ -1,0 +1,17 @@
+"""Names for the arrays that travel between modules.
+
+Shapes are given in the docstrings, ``(F, 3) float`` for one row of three per surface element;
+these aliases only fix the element type, for the type checker.
+"""
+
+from __future__ import annotations
+
+from typing import TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+FloatArray: TypeAlias = npt.NDArray[np.float64]
+IntArray: TypeAlias = npt.NDArray[np.int64]
+Int32Array: TypeAlias = npt.NDArray[np.int32]
+BoolArray: TypeAlias = npt.NDArray[np.bool_]

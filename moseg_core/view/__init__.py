@@ -1,0 +1,1 @@
+"""Pictures of segmentations, made without a screen, a GPU or a graphics library."""

@@ -1,0 +1,161 @@
+"""The words of a picture: its title, and the legend that says which colour is which part.
+
+Drawn with Pillow's built-in font, which is the same everywhere.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+if TYPE_CHECKING:
+    from PIL.ImageDraw import ImageDraw
+    from PIL.ImageFont import FreeTypeFont, ImageFont
+
+_DARK, _FAINT, _PALE = (34, 34, 34), (110, 110, 110), (176, 176, 176)
+
+
+@dataclass(frozen=True)
+class LegendEntry:
+    """A part as the legend names it.
+
+    Parameters
+    ----------
+    name : str
+    share : str
+        Its share of the area, such as "41 %".
+    absent : bool
+        Whether the part has no elements; it is then greyed.
+    """
+
+    name: str
+    share: str
+    absent: bool = False
+
+
+def draw_title(draw: ImageDraw, title: str, *, size: tuple[int, int], pad: int) -> int:
+    """Write a title, shortened where it is too long, at the top left of a picture.
+
+    Parameters
+    ----------
+    draw : PIL.ImageDraw.ImageDraw
+    title : str
+    size : (int, int), pixels
+        Width and height of the picture.
+    pad : int, pixels
+        Free space around it.
+
+    Returns
+    -------
+    int, pixels
+        Where the room below begins; 0 without a title.
+    """
+    text = _one_line(title)
+    if not text:
+        return 0
+    width, height = size
+    font = _font(max(13, height // 26))
+    draw.text((pad, pad), _shortened(text, font, width - 2 * pad), fill=_DARK, font=font)
+    return pad + _line_height(font)
+
+
+def draw_legend(
+    draw: ImageDraw,
+    entries: Sequence[LegendEntry],
+    colors: npt.NDArray[np.uint8],
+    *,
+    size: tuple[int, int],
+    pad: int,
+) -> int:
+    """Write a legend along the bottom of a picture, in as many columns as fit.
+
+    Text becomes smaller where the legend would take over 30 % of the height; entries that still
+    do not fit are counted on its last line.
+
+    Parameters
+    ----------
+    draw : PIL.ImageDraw.ImageDraw
+    entries : sequence of LegendEntry
+    colors : (n, 3) uint8
+        One for each entry.
+    size : (int, int), pixels
+        Width and height of the picture.
+    pad : int, pixels
+        Free space around it.
+
+    Returns
+    -------
+    int, pixels
+        Where the room above ends.
+    """
+    width, height = size
+    if not entries:
+        return height
+    for em in range(max(13, height // 34), 10, -1):
+        font = _font(em)
+        line = _line_height(font) * 5 // 4
+        widest = min(width / 3, max(width / 6, 12 * em))
+        names = [_shortened(_one_line(entry.name), font, widest) for entry in entries]
+        ends = [1.5 * em + font.getlength(name) for name in names]
+        column = 2 * em + math.ceil(
+            max(
+                end + 0.5 * em + font.getlength(entry.share)
+                for end, entry in zip(ends, entries, strict=True)
+            )
+        )
+        columns = max(1, (width - 2 * pad + 2 * em) // column)
+        rows = -(-len(entries) // columns)
+        room = max(1, int(0.3 * height) // line)
+        if rows <= room:
+            break
+    fitting = len(entries) if rows <= room else columns * room - 1
+    top = height - pad - min(rows, room) * line
+    corner = max(1, em // 5)
+
+    def place(k: int) -> tuple[int, int]:
+        return pad + k % columns * column, top + k // columns * line
+
+    for k, entry in enumerate(entries[:fitting]):
+        x, y = place(k)
+        swatch = (x, y + em // 8, x + em, y + em // 8 + em)
+        if entry.absent:
+            draw.rounded_rectangle(swatch, corner, outline=_PALE, width=max(1, em // 10))
+        else:
+            red, green, blue = colors[k].tolist()
+            draw.rounded_rectangle(swatch, corner, fill=(red, green, blue))
+        dark, faint = (_PALE, _PALE) if entry.absent else (_DARK, _FAINT)
+        draw.text((x + 1.5 * em, y), names[k], fill=dark, font=font)
+        draw.text((x + ends[k] + 0.5 * em, y), entry.share, fill=faint, font=font)
+    if fitting < len(entries):
+        draw.text(place(fitting), f"and {len(entries) - fitting} more", fill=_FAINT, font=font)
+    return top
+
+
+def _one_line(text: str) -> str:
+    """Text without line breaks and other characters that cannot be drawn."""
+    return " ".join("".join(c if c.isprintable() else " " for c in text).split())
+
+
+def _shortened(text: str, font: FreeTypeFont | ImageFont, width: float) -> str:
+    """Cut a text that is too long to draw, and end it in three dots."""
+    if font.getlength(text) <= width:
+        return text
+    while text and font.getlength(text + "...") > width:
+        text = text[:-1]
+    return text + "..."
+
+
+def _line_height(font: FreeTypeFont | ImageFont) -> int:
+    """Height of a line of text with its descenders, pixels."""
+    return int(font.getbbox("Ag")[3])
+
+
+def _font(size: int) -> FreeTypeFont | ImageFont:
+    from PIL import ImageFont
+
+    return ImageFont.load_default(size=size)

@@ -1,0 +1,13 @@
+"""The picture of a result, as a format that results are saved in."""
+
+from __future__ import annotations
+
+from moseg_core.result import Result
+from moseg_core.view.picture import render_picture
+
+
+def write_png(result: Result) -> bytes:
+    """A picture from two sides, with a legend and the cost."""
+    title = f"{result.shape.name}   cost {result.cost:.4g}"
+    names = result.problem.labels
+    return render_picture(result.shape.geometry, result.labels, names, title=title)

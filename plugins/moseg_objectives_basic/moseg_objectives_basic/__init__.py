@@ -1,0 +1,1 @@
+"""moseg's basic objectives: what Section 10 of the paper defines, one formula a function."""

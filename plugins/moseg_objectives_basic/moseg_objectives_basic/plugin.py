@@ -1,0 +1,93 @@
+"""The bundle ``basic``: names, targets and nothing heavy."""
+
+from __future__ import annotations
+
+from moseg_core import MeasureSpec, ObjectiveSpec, RecipeSpec, hookimpl
+
+_PACKAGE = "moseg_objectives_basic"
+
+
+@hookimpl
+def moseg_objectives() -> list[ObjectiveSpec]:
+    """The objectives of Sec. 10."""
+    return [
+        ObjectiveSpec(
+            name="narrow",
+            target=f"{_PACKAGE}.proportions:narrow",
+            summary="one part: long and thin",
+        ),
+        ObjectiveSpec(
+            name="flat", target=f"{_PACKAGE}.proportions:flat", summary="one part: like a plate"
+        ),
+        ObjectiveSpec(
+            name="compact",
+            target=f"{_PACKAGE}.proportions:compact",
+            summary="one part: as wide and high as it is long",
+        ),
+        ObjectiveSpec(
+            name="planar_symmetric",
+            target=f"{_PACKAGE}.resemblance:planar_symmetric",
+            summary="one part: its own mirror image",
+        ),
+        ObjectiveSpec(
+            name="ellipsoidal",
+            target=f"{_PACKAGE}.resemblance:ellipsoidal",
+            summary="one part: close to the ellipsoid of its covariance",
+        ),
+        ObjectiveSpec(
+            name="perpendicular",
+            target=f"{_PACKAGE}.relations:perpendicular",
+            summary="two parts: long axes at a right angle",
+        ),
+        ObjectiveSpec(
+            name="similar_proportions",
+            target=f"{_PACKAGE}.relations:similar_proportions",
+            summary="several parts: alike in length, width and height",
+        ),
+        ObjectiveSpec(
+            name="convex_parts",
+            target=f"{_PACKAGE}.convexity:convex_parts",
+            summary="all parts: their convex hulls fill the volume once",
+        ),
+    ]
+
+
+@hookimpl
+def moseg_measures() -> list[MeasureSpec]:
+    """What the objectives share, and others may."""
+    return [
+        MeasureSpec(
+            name="hull_volume",
+            target=f"{_PACKAGE}.convexity:hull_volume",
+            summary="volume of the part's convex hull",
+        ),
+        MeasureSpec(
+            name="surface_samples",
+            target=f"{_PACKAGE}.surface:surface_samples",
+            summary="points and weights for integrals over the part's surface",
+            keep=False,
+        ),
+        MeasureSpec(
+            name="surface_tree",
+            target=f"{_PACKAGE}.surface:surface_tree",
+            summary="search tree for distances to the part's surface",
+            keep=False,
+        ),
+    ]
+
+
+@hookimpl
+def moseg_recipes() -> list[RecipeSpec]:
+    """The recipes of Fig. 9 that need no constraint."""
+    return [
+        RecipeSpec(
+            name="hammer",
+            target=f"{_PACKAGE}.recipes:HAMMER",
+            summary="a narrow handle and a head set across it",
+        ),
+        RecipeSpec(
+            name="horse",
+            target=f"{_PACKAGE}.recipes:HORSE",
+            summary="a four-legged animal: head, body, four legs",
+        ),
+    ]

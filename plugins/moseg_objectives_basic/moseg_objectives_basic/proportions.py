@@ -1,0 +1,97 @@
+"""Objectives on the proportions of one part: narrow, flat, compact (Sec. 10).
+
+All three are ratios of the part's scales ``s1 >= s2 >= s3``, the square roots of the eigenvalues
+of its surface's covariance: lengths along its principal axes. 0 is best.
+
+The paper prints ``narrow`` with its scales in the opposite order; as printed it would grow
+without bound and ``compact = 1 - narrow`` would make no sense. Descending scales are meant.
+"""
+
+from __future__ import annotations
+
+from moseg_core import Part, objective
+
+
+@objective(range=(0, 1), invariant_to=("rigid", "scale", "reflection", "order", "tessellation"))
+def narrow(part: Part) -> float:
+    """Small for a long thin part: ``(s2 + s3) / (2 s1)``.
+
+    Parameters
+    ----------
+    part : Part
+
+    Returns
+    -------
+    float
+        0 for a line, 1 for a part that extends alike in all directions; 0 is best.
+
+    Notes
+    -----
+    Simari & Singh, Sec. 10, with the scales in descending order.
+
+    Examples
+    --------
+    >>> from moseg_core import Problem, Shape
+    >>> strip = Shape.from_mesh([[0, 0, 0], [9, 0, 0], [9, 1, 0], [0, 1, 0]], [[0, 1, 2, 3]])
+    >>> round(Problem(["a"], "narrow(a)").evaluate(strip, [0]).cost.value, 4)
+    0.0556
+    """
+    s1, s2, s3 = part.scales
+    return float((s2 + s3) / (2 * s1))
+
+
+@objective(range=(0, 1), invariant_to=("rigid", "scale", "reflection", "order", "tessellation"))
+def flat(part: Part) -> float:
+    """Small for a part like a plate: ``s3 / (2 s1) + s3 / (2 s2)``.
+
+    Parameters
+    ----------
+    part : Part
+
+    Returns
+    -------
+    float
+        0 for a plane piece, 1 for a part that extends alike in all directions; 0 is best.
+
+    Notes
+    -----
+    Simari & Singh, Sec. 10.
+
+    Examples
+    --------
+    >>> from moseg_core import Problem, Shape
+    >>> strip = Shape.from_mesh([[0, 0, 0], [9, 0, 0], [9, 1, 0], [0, 1, 0]], [[0, 1, 2, 3]])
+    >>> Problem(["a"], "flat(a)").evaluate(strip, [0]).cost.value
+    0.0
+    """
+    s1, s2, s3 = part.scales
+    if s3 == 0:
+        return 0.0
+    return float(s3 / (2 * s1) + s3 / (2 * s2))
+
+
+@objective(range=(0, 1), invariant_to=("rigid", "scale", "reflection", "order", "tessellation"))
+def compact(part: Part) -> float:
+    """Small for a part as wide and high as it is long: ``1 - narrow``.
+
+    Parameters
+    ----------
+    part : Part
+
+    Returns
+    -------
+    float
+        0 for a part that extends alike in all directions, 1 for a line; 0 is best.
+
+    Notes
+    -----
+    Simari & Singh, Sec. 10.
+
+    Examples
+    --------
+    >>> from moseg_core import Problem, Shape
+    >>> strip = Shape.from_mesh([[0, 0, 0], [9, 0, 0], [9, 1, 0], [0, 1, 0]], [[0, 1, 2, 3]])
+    >>> round(Problem(["a"], "compact(a)").evaluate(strip, [0]).cost.value, 4)
+    0.9444
+    """
+    return 1.0 - narrow(part)

@@ -1,0 +1,8 @@
+"""The recipes of the paper's Figure 9, as TOML files beside this module."""
+
+from __future__ import annotations
+
+from importlib.resources import files
+
+HAMMER = files(__name__).joinpath("hammer.toml").read_text(encoding="utf-8")
+HORSE = files(__name__).joinpath("horse.toml").read_text(encoding="utf-8")

@@ -1,0 +1,98 @@
+"""Objectives on how a part resembles an ideal: its mirror image, an ellipsoid (Sec. 10).
+
+Both are a ``surfdist`` (:mod:`moseg_objectives_basic.surface`): the mean squared distance from the
+part's surface to the ideal one, over the squared diagonal of the part's bounding box in its own
+principal axes. 0 is best.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from moseg_core import Part, objective
+from moseg_objectives_basic.ellipsoid import squared_distances_to_ellipsoid
+from moseg_objectives_basic.surface import normalized_mean
+
+
+@objective(
+    range=(0, 1),
+    invariant_to=("rigid", "scale", "reflection", "order", "tessellation"),
+    cost="expensive",
+)
+def planar_symmetric(part: Part) -> float:
+    """Small for a part that is its own mirror image.
+
+    Parameters
+    ----------
+    part : Part
+
+    Returns
+    -------
+    float
+        Least surface distance between the part and its reflection about one of the three planes
+        through its centroid across a principal axis. 0 for a symmetric part; 0 is best; at most
+        1, since no point is further from the part than from its own mirror image.
+
+    Notes
+    -----
+    Simari & Singh, Sec. 10: ``min_i surfdist(P, reflect(P, P.c, P.axis_i))``. A plane of symmetry
+    that is not across a principal axis is not found; where scales coincide the axes, and with
+    them the value, are arbitrary.
+
+    Examples
+    --------
+    >>> from moseg_core import Problem, Shape
+    >>> strip = Shape.from_mesh([[0, 0, 0], [9, 0, 0], [9, 1, 0], [0, 1, 0]], [[0, 1, 2, 3]])
+    >>> found = Problem(["a"], "planar_symmetric(a)").evaluate(strip, [0])
+    >>> round(found.cost.value, 12)
+    0.0
+    """
+    points, weights = part.measure("basic:surface_samples")
+    tree = part.measure("basic:surface_tree")
+    least = np.inf
+    for axis in part.axes:
+        across = (points - part.centroid) @ axis
+        # The distance from x to the mirror image is that from the mirrored x to the part.
+        mirrored = points - 2.0 * across[:, None] * axis
+        squared = tree.squared_distances(mirrored)
+        least = min(least, normalized_mean(part, squared, weights))
+    return float(least)
+
+
+@objective(
+    range=(0, 0.5),
+    invariant_to=("rigid", "scale", "reflection", "order", "tessellation"),
+    cost="expensive",
+)
+def ellipsoidal(part: Part) -> float:
+    """Small for a part close to the ellipsoid of its covariance.
+
+    Parameters
+    ----------
+    part : Part
+
+    Returns
+    -------
+    float
+        Surface distance from the part to the ellipsoid around its centroid with radii
+        ``sqrt(3) * scales`` along its principal axes. 0 for a sphere; 0 is best.
+
+    Notes
+    -----
+    Simari & Singh, Sec. 10: ``surfdist(P, covarellipsoid(P))``. The factor ``sqrt(3)`` is exact
+    for a sphere's surface; along the axis of a 3:1 ellipsoid the radius comes out about 10 %
+    short, so that an elongated ellipsoid has a small positive value.
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> from moseg_core import Problem, Shape
+    >>> ball = Shape.from_mesh(trimesh.creation.icosphere(subdivisions=4))
+    >>> found = Problem(["a"], "ellipsoidal(a)").evaluate(ball, [0] * ball.n_elements)
+    >>> found.cost.value < 1e-6
+    True
+    """
+    points, weights = part.measure("basic:surface_samples")
+    local = (points - part.centroid) @ part.axes.T
+    squared = squared_distances_to_ellipsoid(local, np.sqrt(3.0) * part.scales)
+    return normalized_mean(part, squared, weights)

@@ -1,0 +1,152 @@
+"""Neighbours and volumes against brute force over edges and against known solids."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+import trimesh
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from moseg_core.adjacency import Adjacency, enclosed_volume, mesh_adjacency
+from moseg_core.mesh import PolygonMesh
+from tests import shapes
+from tests.references import connected_pieces, edge_neighbors
+
+SHAPES = {
+    "cube": shapes.cube(),
+    "tee": shapes.tee(),
+    "two boxes": shapes.two_boxes(),
+    "prism": shapes.prism(6),
+    "disc": shapes.disc(),
+    "annulus": shapes.annulus(),
+    "book": shapes.book(4),
+    "open cube": shapes.cube_without_lid(),
+    "soup": shapes.soup(2, 6),
+    "sphere": shapes.sphere(1),
+    "boxes that share an edge": shapes.solid([(0, 0, 0), (1, 1, 0)]),
+    "boxes that share a corner": shapes.solid([(0, 0, 0), (1, 1, 1)]),
+}
+
+
+def lists(adjacency):
+    return [adjacency.neighbors(f).tolist() for f in range(adjacency.n_elements)]
+
+
+@pytest.mark.parametrize("name", SHAPES)
+@pytest.mark.parametrize("apart", [False, True])
+def test_neighbours_are_the_faces_that_share_an_edge_by_position(name, apart):
+    vertices, faces = SHAPES[name]
+    if apart:  # every face with vertices of its own, as in an STL file
+        flat = [v for face in faces for v in face]
+        starts = np.cumsum([0, *map(len, faces)])
+        vertices = np.asarray(vertices)[flat]
+        faces = [tuple(range(a, b)) for a, b in itertools.pairwise(starts)]
+    found = mesh_adjacency(PolygonMesh.from_faces(vertices, faces))
+    assert lists(found) == [sorted(near) for near in edge_neighbors(vertices, faces)]
+    assert found.indptr.dtype == found.indices.dtype == np.int32
+
+
+@given(st.integers(0, 2**32), st.integers(3, 9), st.integers(1, 25))
+@settings(max_examples=60, deadline=None)
+def test_neighbours_on_random_faces_over_few_vertices(seed, n_vertices, n_faces):
+    # Edges that many faces share, faces that name a vertex twice, the same face again.
+    rng = np.random.default_rng(seed)
+    vertices = rng.integers(0, 3, (n_vertices, 3)).astype(np.float64)
+    faces = [
+        tuple(rng.integers(0, n_vertices, rng.integers(3, 6)).tolist()) for _ in range(n_faces)
+    ]
+    found = mesh_adjacency(PolygonMesh.from_faces(vertices, faces))
+    assert lists(found) == [sorted(near) for near in edge_neighbors(vertices, faces)]
+
+
+def test_neighbours_agree_with_trimesh_on_a_manifold():
+    ball = trimesh.creation.icosphere(subdivisions=2)
+    expected = {tuple(sorted(pair)) for pair in ball.face_adjacency.tolist()}
+    found = lists(mesh_adjacency(PolygonMesh.from_faces(ball.vertices, ball.faces)))
+    assert {(f, g) for f, near in enumerate(found) for g in near if f < g} == expected
+
+
+@given(st.integers(0, 2**32), st.integers(1, 25), st.integers(0, 40))
+@settings(max_examples=60, deadline=None)
+def test_pairs_may_repeat_reverse_and_join_an_element_to_itself(seed, size, count):
+    rng = np.random.default_rng(seed)
+    pairs = rng.integers(0, size, (count, 2))
+    graph = Adjacency.from_pairs(pairs, size)
+    expected = [set() for _ in range(size)]
+    for f, g in pairs.tolist():
+        if f != g:
+            expected[f].add(g)
+            expected[g].add(f)
+    assert lists(graph) == [sorted(near) for near in expected]
+    dense = graph.matrix.toarray()
+    assert (dense == dense.T).all()
+    assert sorted(zip(*np.nonzero(dense), strict=True)) == [
+        (f, g) for f in range(size) for g in sorted(expected[f])
+    ]
+
+    asked = np.flatnonzero(rng.integers(0, 2, size))
+    for elements, chosen in ((None, range(size)), (asked, asked.tolist())):
+        number, component = graph.components(elements)
+        pieces = connected_pieces(expected, chosen)
+        assert number == len(pieces)
+        grouped = {}
+        for f, c in zip(chosen, component.tolist(), strict=True):
+            grouped.setdefault(c, set()).add(f)
+        assert sorted(map(sorted, grouped.values())) == sorted(map(sorted, pieces))
+
+
+@pytest.mark.parametrize(
+    ("mesh", "volume"),
+    [
+        (shapes.cube(), 1.0),
+        (shapes.box(2, 3, 4), 24.0),
+        (shapes.tee(6, 5), 11.0),
+        (shapes.two_boxes(), 4.0),
+        (shapes.solid([(0, 0, 0), (1, 1, 0)]), 2.0),  # share an edge, which four faces use
+        (shapes.prism(6, 1.0, 2.0), 3 * 3**0.5),
+        (shapes.fan(shapes.prism(5, 2.0, 3.0)), 3 * 5 / 2 * 4 * np.sin(2 * np.pi / 5)),
+    ],
+    ids=["cube", "box", "tee", "two", "edge", "prism", "triangles"],
+)
+@pytest.mark.parametrize("shift", [0.0, 1e4])
+def test_volumes_of_known_solids(mesh, volume, shift):
+    for seed in (None, 1):
+        turned = shapes.moved(
+            mesh, np.eye(3) if seed is None else shapes.rotation(seed), 1.0, [shift] * 3
+        )
+        found, reason = enclosed_volume(PolygonMesh.from_faces(*turned))
+        assert reason == ""
+        assert found == pytest.approx(volume, rel=1e-9)
+
+
+def test_the_volume_is_positive_whichever_way_the_faces_look():
+    vertices, faces = shapes.tee()
+    inside_out = PolygonMesh.from_faces(vertices, [face[::-1] for face in faces])
+    assert enclosed_volume(inside_out) == (pytest.approx(11.0), "")
+
+
+def flipped(mesh):
+    vertices, faces = mesh
+    return vertices, [faces[0][::-1], *faces[1:]]
+
+
+@pytest.mark.parametrize(
+    ("mesh", "reason"),
+    [
+        (shapes.cube_without_lid(), "open (4 boundary edges)"),
+        (shapes.annulus(12), "open (24 boundary edges)"),
+        (shapes.book(3), "open (7 boundary edges)"),
+        ((shapes.cube()[0], [*shapes.cube()[1], (0, 1, 2)]), "open (3 boundary edges)"),
+        (flipped(shapes.cube()), "not oriented consistently"),
+        ((np.eye(3), [(0, 1, 2), (2, 1, 0)]), "flat"),
+        ((np.zeros((3, 3)), [(0, 1, 2)]), "no edges"),
+    ],
+    ids=["no lid", "annulus", "book", "extra face", "flipped", "flat", "a point"],
+)
+def test_a_surface_that_encloses_nothing_says_why(mesh, reason):
+    volume, found = enclosed_volume(PolygonMesh.from_faces(*mesh))
+    assert volume is None
+    assert reason in found
