@@ -25,7 +25,7 @@ from moseg_core.memo import Memo
 from moseg_core.protocols import Batch, Centers
 
 sys.path.insert(0, str(Path(__file__).parent.parent))
-from tests.references import connected_partition  # noqa: E402  # after the path is set
+from tests.references import connected_partition
 
 
 def median(function: Callable[[], object], repeat: int = 31) -> float:
@@ -44,6 +44,7 @@ def flood_table(shape: moseg.Shape) -> None:
     points, graph = shape.unit_points, shape.adjacency
     rng = np.random.default_rng(0)
     labels = np.empty(shape.n_elements, np.int32)
+    neighbors = [graph.neighbors(f).tolist() for f in range(shape.n_elements)]
     print(f"connected partition of {shape.n_elements} elements, ms")
     print(" parts   flood   numpy distances + argmin   ratio   argmin alone   literal reference")
     for n in (2, 6, 9):
@@ -63,7 +64,7 @@ def flood_table(shape: moseg.Shape) -> None:
         alone = median(lambda known=known: known.argmin(axis=1))
         literal = median(
             lambda c=centers, w=weights: connected_partition(
-                points, c, w, graph.indptr, graph.indices
+                points.tolist(), neighbors, c.tolist(), w.tolist()
             ),
             repeat=1,
         )

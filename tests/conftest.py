@@ -8,64 +8,28 @@ from __future__ import annotations
 
 import importlib
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from importlib import metadata
 from pathlib import Path
 from textwrap import dedent
 
-import numpy as np
 import pytest
 
-from moseg_core.plugins import Registry, discover
+from moseg_core.plugins import Registry, discover, registry
 from moseg_core.shape import Shape
-
-BlockMesh = tuple[list[tuple[int, int, int]], list[list[int]]]
-
-
-def block_mesh(nx: int, ny: int, nz: int) -> BlockMesh:
-    """The closed, outward-oriented surface of a block of unit cubes, in unit squares."""
-    size = (nx, ny, nz)
-    number: dict[tuple[int, int, int], int] = {}
-    faces = []
-    for axis in range(3):
-        u, v = (axis + 1) % 3, (axis + 2) % 3
-        for i in range(size[u]):
-            for j in range(size[v]):
-                for end in (0, size[axis]):
-                    corners = []
-                    for a, b in ((0, 0), (1, 0), (1, 1), (0, 1)):
-                        point = [0, 0, 0]
-                        point[axis], point[u], point[v] = end, i + a, j + b
-                        corners.append(number.setdefault(tuple(point), len(number)))
-                    faces.append(corners if end else corners[::-1])
-    return list(number), faces
-
-
-@pytest.fixture(scope="session")
-def block() -> Callable[[int, int, int], BlockMesh]:
-    """Make the surface of a block of unit cubes: vertices and quads."""
-    return block_mesh
+from tests import shapes
 
 
 @pytest.fixture(scope="session")
 def box() -> Shape:
     """A closed box of 3 x 2 x 1 with a volume of 6; 22 unit squares."""
-    return Shape.from_mesh(*block_mesh(3, 2, 1), name="box")
+    return Shape.from_mesh(*shapes.box(3, 2, 1), name="box")
 
 
 @pytest.fixture(scope="session")
 def row() -> Shape:
     """Six unit squares side by side in a plane: open, without a volume."""
-    x = np.repeat(np.arange(7), 2)
-    vertices = np.column_stack([x, np.tile([0, 1], 7), np.zeros(14)])
-    faces = [[2 * k, 2 * k + 2, 2 * k + 3, 2 * k + 1] for k in range(6)]
-    return Shape.from_mesh(vertices, faces, name="row")
-
-
-@pytest.fixture(scope="session")
-def nothing_installed() -> Registry:
-    """A registry without bundles."""
-    return Registry(())
+    return Shape.from_mesh(*shapes.strip(6), name="row")
 
 
 class Site:
@@ -118,6 +82,7 @@ class Site:
 @pytest.fixture
 def site(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Site]:
     """An empty folder of distributions; what was imported from it is forgotten afterwards."""
+    registry()  # remembered before the folder is there, so that other tests do not see it
     folder = tmp_path / "site"
     folder.mkdir()
     monkeypatch.syspath_prepend(str(folder))

@@ -275,3 +275,26 @@ def rand_index_error(
         if (first[f] == first[g]) != (second[f] == second[g]):
             apart.append(weights[f] * weights[g])
     return math.fsum(apart) / math.fsum(whole) if whole else 0.0
+
+
+# --- for the tests of what works with any parameterization ---------------------------------------
+
+
+class Listed:
+    """A parameterization whose vectors are the numbers of given labellings.
+
+    Parameters
+    ----------
+    labellings : (K, F) int array
+    n_parts : int
+    lower, upper, scale : (1,) float arrays
+        Taken as they are.
+    """
+
+    def __init__(self, labellings, n_parts, lower=None, upper=None, scale=None):
+        self.labellings, self.n_parts = labellings, n_parts
+        self.lower, self.upper, self.scale = lower, upper, scale
+
+    def labels(self, vectors):
+        """The labelling that each vector names."""
+        return self.labellings[vectors.reshape(-1).astype(int)].astype("int32")

@@ -3,15 +3,21 @@ from __future__ import annotations
 import math
 import pickle
 from collections.abc import Sequence
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import pytest
 
+from moseg_core.errors import ExpressionError, PluginError, ShapeError, UsageError
 from moseg_core.objectives import COST_ORDER, FunctionObjective, Traits, objective
 from moseg_core.parameters import Interval, Parameter
 from moseg_core.part import Part
+from moseg_core.plugins import Registry
+from moseg_core.problem import Problem
 from moseg_core.protocols import Objective
 from moseg_core.segmentation import Segmentation
+
+if TYPE_CHECKING:
+    from nowhere import Unknown
 
 
 @objective(range=(0, 1), invariant_to=("rigid", "scale"))
@@ -205,3 +211,220 @@ def test_a_misspelled_declaration_is_refused(declared):
 
 def bare_part(part: Part) -> float:
     return 0.0
+
+
+# --- functions given to a problem
+
+NONE = Registry(())
+
+
+def size(part: Part) -> float:
+    return float(part.n_elements)
+
+
+def gap(first: Part, second: Part) -> float:
+    return float(first.n_elements - second.n_elements)
+
+
+def first_to_last(parts: Sequence[Part]) -> float:
+    return float(parts[0].n_elements - parts[-1].n_elements)
+
+
+def total(segmentation: Segmentation) -> float:
+    return float(sum(part.n_elements for part in segmentation.parts))
+
+
+def scaled(
+    part: Part,
+    *,
+    by: Annotated[float, Interval(0, 10)] = 2.0,
+    plus: Annotated[int, Interval(0)] = 0,
+) -> float:
+    return part.n_elements * by + plus
+
+
+OWN = {"size": size, "gap": gap, "first_to_last": first_to_last, "total": total, "scaled": scaled}
+
+
+def problem(labels: str, minimize: str, **more) -> Problem:
+    return Problem(labels.split(), minimize, objectives={**OWN, **more}, registry=NONE)
+
+
+def test_a_decorated_function_is_taken_as_it_is():
+    decorated = objective(range=(0, 9), cost="expensive")(size)
+    assert problem("a", "mine(a)", mine=decorated).terms[0].objective is decorated
+
+
+def test_a_plain_function_is_taken_by_its_annotations():
+    arities = {term.id: term.objective.traits.arity for term in problem(
+        "a b", "size(a) + gap(a, b) + first_to_last(a, b) + total"
+    ).terms}  # fmt: skip
+    assert arities == {
+        "python:size": "unary",
+        "python:gap": "nary",
+        "python:first_to_last": "nary",
+        "python:total": "global",
+    }
+
+
+def unannotated(part): ...
+def unresolved(part: Unknown) -> float: ...
+
+
+class Answering:
+    factor: float = 1.0
+
+    def __call__(self, part: Part) -> float:
+        return self.factor
+
+
+@pytest.mark.parametrize(
+    "given_objective",
+    [unannotated, lambda part: 0.0, listed, unresolved, Answering(), 3, None, "size", len],
+    ids=["unannotated", "lambda", "listed", "unresolved", "object", "int", "None", "str", "len"],
+)
+def test_what_cannot_be_an_objective_is_refused_by_name(given_objective):
+    with pytest.raises(UsageError, match="objective 'mine' cannot be used: "):
+        Problem(["a"], "mine(a)", objectives={"mine": given_objective}, registry=NONE)
+
+
+def test_parameters_reach_the_function(row):
+    made = problem("a b", "scaled(a) + scaled(a, by=10, plus=3) + scaled(b, plus=1)")
+    found = made.evaluate(row, [0, 0, 0, 0, 1, 1])
+    assert [term.value for term in found.terms] == [8.0, 43.0, 5.0]
+
+
+@pytest.mark.parametrize("text", ["scaled(a, by=11)", "scaled(a, plus=-1)", "scaled(a, plus=.5)"])
+def test_parameters_are_checked(text):
+    with pytest.raises(ExpressionError, match="'scaled': parameter"):
+        problem("a", text)
+
+
+# --- objectives that break their contract
+
+
+class Unprintable:
+    def __float__(self) -> float:
+        raise TypeError("no number")
+
+
+@pytest.mark.parametrize(
+    ("value", "shown"),
+    [
+        (math.nan, "returned nan"),
+        (math.inf, "returned inf"),
+        (-math.inf, "returned -inf"),
+        (1.5, "returned 1.5"),
+        (-0.1, "returned -0.1"),
+        (1 + 1e-6, "returned 1.000001"),
+        (None, "TypeError"),
+        ("much", "ValueError"),
+        (1j, "TypeError"),
+        ([0.5], "TypeError"),
+        (Unprintable(), "TypeError: no number"),
+    ],
+    ids=lambda value: type(value).__name__ if isinstance(value, Unprintable) else str(value),
+)
+def test_a_value_that_is_no_number_in_the_range_is_a_plugin_error(row, value, shown):
+    def odd(part: Part, *, k: float = 1.0) -> float:
+        return value if part.index == 1 else 0.5
+
+    made = problem("a b", "size(a) + 2*odd(a, b, k=3)", odd=objective(range=(0, 1))(odd))
+    with pytest.raises(PluginError) as caught:
+        made.evaluate(row, [0, 0, 0, 1, 1, 1])
+    message = str(caught.value)
+    assert "\n" not in message
+    assert message.startswith("objective 'python:odd' of the calling program ")
+    assert "'odd(a, b, k=3)' for b" in message
+    assert shown in message
+    if shown.startswith("returned"):
+        assert message.endswith("it declares values from 0 to 1")
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
+def test_values_are_finite_whatever_the_range(row, value):
+    def odd(segmentation: Segmentation) -> float:
+        return value
+
+    with pytest.raises(PluginError, match=f"returned {value} in 'odd'"):
+        problem("a", "odd", odd=odd).evaluate(row, [0] * 6)
+
+
+@pytest.mark.parametrize("value", [math.inf, -math.inf])
+def test_an_infinite_value_is_not_said_to_be_outside_of_an_infinite_range(row, value):
+    def odd(segmentation: Segmentation) -> float:
+        return value
+
+    with pytest.raises(PluginError, match="finite"):
+        problem("a", "odd", odd=odd).evaluate(row, [0] * 6)
+
+
+@pytest.mark.parametrize(
+    ("value", "clipped"), [(-1e-12, 0.0), (1 + 1e-12, 1.0), (0.0, 0.0), (1.0, 1.0), (0.25, 0.25)]
+)
+def test_rounding_beyond_the_range_is_clipped(row, value, clipped):
+    def odd(part: Part) -> float:
+        return value
+
+    found = problem("a", "odd(a)", odd=objective(range=(0, 1))(odd)).evaluate(row, [0] * 6)
+    assert found.cost.value == clipped
+
+
+@pytest.mark.parametrize(
+    "error", [ZeroDivisionError("by zero"), KeyError("k"), ShapeError("bad"), RuntimeError()]
+)
+def test_an_objective_that_raises_is_a_plugin_error(row, error):
+    def odd(first: Part, second: Part) -> float:
+        raise error
+
+    with pytest.raises(PluginError) as caught:
+        problem("a b", "odd(b, a)", odd=odd).evaluate(row, [0, 0, 0, 1, 1, 1])
+    message = str(caught.value)
+    assert message.startswith("objective 'python:odd' of the calling program failed in ")
+    assert f"'odd(b, a)' for b, a: {type(error).__name__}: {error}" in message
+    assert caught.value.__cause__ is error
+    assert caught.value.exit_code == 1
+
+
+def test_an_error_of_several_lines_is_told_in_one(row):
+    def odd(part: Part) -> float:
+        raise ValueError("first\nsecond")
+
+    with pytest.raises(PluginError) as caught:
+        problem("a", "odd(a)", odd=odd).evaluate(row, [0] * 6)
+    assert "\n" not in str(caught.value)
+
+
+def test_an_interruption_is_not_taken_for_a_failure(row):
+    def odd(part: Part) -> float:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        problem("a", "odd(a)", odd=odd).evaluate(row, [0] * 6)
+
+
+def test_an_installed_objective_is_named_with_its_distribution(row, site):
+    site.add(
+        "acme-parts",
+        "1.2",
+        bundles={"acme": "acme_bundle"},
+        acme_bundle="""
+            from moseg_core import ObjectiveSpec, hookimpl
+
+            @hookimpl
+            def moseg_objectives():
+                return [ObjectiveSpec(name="odd", target="acme_odd:odd")]
+        """,
+        acme_odd="""
+            from moseg_core import Part, objective
+
+            @objective(range=(0, 1))
+            def odd(part: Part) -> float:
+                return 7.0
+        """,
+    )
+    made = Problem(["a"], "odd(a)", registry=site.discover())
+    with pytest.raises(
+        PluginError, match=r"^objective 'acme:odd' of acme-parts 1\.2 returned 7\.0"
+    ):
+        made.evaluate(row, [0] * 6)

@@ -86,6 +86,9 @@ def progress_reporter(*, quiet: bool) -> Iterator[Report | None]:
 
     def report(progress: Progress) -> None:
         if progress.stage not in tasks:
+            for earlier in tasks.values():  # a new stage: those before it are done
+                bars.update(earlier, total=1.0, completed=1.0)
+                bars.stop_task(earlier)
             tasks[progress.stage] = bars.add_task(progress.stage, total=None, cost="")
         best = progress.best
         cost = "" if best is None else f"cost {best.value:.5g}"

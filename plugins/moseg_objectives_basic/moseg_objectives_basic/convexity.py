@@ -1,13 +1,19 @@
-"""How well convex hulls of the parts fill the shape: convex_parts (Sec. 10)."""
+"""How well convex hulls of the parts fill the shape: convex_parts (Sec. 10).
+
+Hulls come from Qhull, which merges facets that are nearly coplanar. Vertices in one plane are the
+rule on a mesh, and a quickhull without such care returns hulls that fold over themselves.
+"""
 
 from __future__ import annotations
 
 import math
 
-import manifold3d
 import numpy as np
+from scipy.spatial import ConvexHull, QhullError
 
-from moseg_core import MosegError, Part, Segmentation, objective
+from moseg_core import MosegError, Part, Segmentation, ShapeError, objective
+
+_FLAT = 1e-12
 
 
 def hull_volume(part: Part) -> float:
@@ -20,7 +26,7 @@ def hull_volume(part: Part) -> float:
     Returns
     -------
     float
-        0 for a part that lies in a plane.
+        0 for a part that lies in a plane, or within 1e-12 of its length of one.
 
     Raises
     ------
@@ -37,12 +43,20 @@ def hull_volume(part: Part) -> float:
     >>> round(part.measure("basic:hull_volume"), 6)
     0.166667
     """
-    # In the part's own box the hull does not depend on units or place.
-    low, size = part.vertices.min(axis=0), float(np.ptp(part.vertices, axis=0).max())
-    hull = manifold3d.Manifold.hull_points((part.vertices - low) / size)
-    if hull.status() != manifold3d.Error.NoError:
-        raise MosegError(f"the convex hull of a part cannot be computed: {hull.status()}")
-    return float(hull.volume()) * size**3
+    # Stretched to a cube along its principal axes: a thin part would else lie within Qhull's
+    # tolerance of a plane, and the volume would depend on units and place.
+    local = (part.vertices - part.centroid) @ part.axes.T
+    size = np.ptp(local, axis=0)
+    if len(local) < 4 or size.min() <= _FLAT * size.max():
+        return 0.0
+    try:
+        hull = ConvexHull(local / size)
+    except QhullError as error:
+        if "initial simplex is flat" in str(error):
+            return 0.0
+        reason = str(error).partition("\n")[0]
+        raise MosegError(f"the convex hull of a part cannot be computed: {reason}") from error
+    return float(hull.volume * size.prod())
 
 
 @objective(
@@ -64,6 +78,11 @@ def convex_parts(segmentation: Segmentation) -> float:
         0 where the volumes ``H(P)`` of the hulls add up to the enclosed volume ``V``; 0 is best.
         Hulls that overlap or reach across gaps raise it.
 
+    Raises
+    ------
+    ShapeError
+        The shape encloses no volume.
+
     Notes
     -----
     Simari & Singh, Sec. 10.
@@ -79,7 +98,7 @@ def convex_parts(segmentation: Segmentation) -> float:
     """
     volume = segmentation.shape.volume
     if volume is None:
-        raise MosegError("convex_parts needs a shape that encloses a volume")
+        raise ShapeError("'convex_parts' needs a shape that encloses a volume; leave out the term")
     hulls = 0.0
     for part in segmentation.parts:
         hulls += part.measure("basic:hull_volume")

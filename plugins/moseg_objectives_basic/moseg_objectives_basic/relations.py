@@ -33,12 +33,13 @@ def perpendicular(first: Part, second: Part) -> float:
     --------
     >>> from moseg_core import Problem, Shape
     >>> cross = Shape.from_mesh(
-    ...     [[0, 0, 0], [4, 0, 0], [4, 1, 0], [0, 1, 0], [9, 0, 0], [9, 0, 1], [9, 5, 1], [9, 5, 0]],
+    ...     [[0, 0, 0], [4, 0, 0], [4, 1, 0], [0, 1, 0],
+    ...      [9, 0, 0], [9, 0, 1], [9, 5, 1], [9, 5, 0]],
     ...     [[0, 1, 2, 3], [4, 5, 6, 7]])
     >>> Problem(["a", "b"], "perpendicular(a, b)").evaluate(cross, [0, 1]).cost.value
     0.0
     """
-    return float(abs(first.axes[0] @ second.axes[0]))
+    return min(1.0, float(abs(first.axes[0] @ second.axes[0])))
 
 
 @objective(
@@ -68,7 +69,8 @@ def similar_proportions(parts: Sequence[Part]) -> float:
     --------
     >>> from moseg_core import Problem, Shape
     >>> pair = Shape.from_mesh(
-    ...     [[0, 0, 0], [4, 0, 0], [4, 1, 0], [0, 1, 0], [9, 0, 0], [9, 0, 1], [9, 4, 1], [9, 4, 0]],
+    ...     [[0, 0, 0], [4, 0, 0], [4, 1, 0], [0, 1, 0],
+    ...      [9, 0, 0], [9, 0, 1], [9, 4, 1], [9, 4, 0]],
     ...     [[0, 1, 2, 3], [4, 5, 6, 7]])
     >>> found = Problem(["a", "b"], "similar_proportions(a, b)").evaluate(pair, [0, 1])
     >>> round(found.cost.value, 12)
