@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from moseg_core.binding import BoundTerm
 from moseg_core.cost import Cost
 from moseg_core.errors import PluginError
+from moseg_core.plugins import describe
 from moseg_core.segmentation import Segmentation
 
 Values = list[list[float | None]]
@@ -89,15 +90,22 @@ class Evaluation:
     terms : tuple of TermValue
     empty : tuple of str
         Labels without a part to speak of.
+    broken_pins : int
+        Number of pinned elements that bear another label than theirs.
     """
 
     cost: Cost
     terms: tuple[TermValue, ...]
     empty: tuple[str, ...] = ()
+    broken_pins: int = 0
 
 
 def evaluate_segmentation(
-    terms: Sequence[BoundTerm], labels: Sequence[str], segmentation: Segmentation
+    terms: Sequence[BoundTerm],
+    labels: Sequence[str],
+    segmentation: Segmentation,
+    *,
+    broken_pins: int = 0,
 ) -> Evaluation:
     """Evaluate every term.
 
@@ -107,6 +115,8 @@ def evaluate_segmentation(
     labels : sequence of str
         Name of each part.
     segmentation : Segmentation
+    broken_pins : int
+        To be counted with the empty parts.
     """
     empty = segmentation.summary.empty(segmentation.shape).tolist()
     values: Values = [
@@ -127,9 +137,10 @@ def evaluate_segmentation(
         for term, row in zip(terms, values, strict=True)
     )
     return Evaluation(
-        cost=Cost(sum(empty), weighted_sum(terms, values)),
+        cost=Cost(sum(empty) + broken_pins, weighted_sum(terms, values)),
         terms=reported,
         empty=tuple(name for name, gone in zip(labels, empty, strict=True) if gone),
+        broken_pins=broken_pins,
     )
 
 
@@ -175,8 +186,7 @@ def call_value(
             value = float(term.objective(subject, **term.parameters))
         except Exception as error:  # a stranger's objective may raise anything
             raise PluginError(
-                f"objective '{term.id}' of {term.distribution} failed in {where}:"
-                f" {type(error).__name__}: {error}"
+                f"objective '{term.id}' of {term.distribution} failed in {where}: {describe(error)}"
             ) from error
         return _in_range(value, term, where)
 
@@ -187,10 +197,15 @@ def call_value(
 def _in_range(value: float, term: BoundTerm, where: str) -> float:
     """The value, rounding beyond the declared range clipped; or an error."""
     low, high = term.objective.traits.range
-    if low <= value <= high and math.isfinite(value):
+    if math.isfinite(value) and low <= value <= high:
         return value
-    slack = 1e-9 * max(1.0, *(abs(end) for end in (low, high) if math.isfinite(end)))
-    if math.isfinite(value) and low - slack <= value <= high + slack:
+    if not math.isfinite(value):
+        raise PluginError(
+            f"objective '{term.id}' of {term.distribution} returned {value} in {where}; values"
+            f" must be finite"
+        )
+    slack = 1e-9 * max([1.0, *(abs(end) for end in (low, high) if math.isfinite(end))])
+    if low - slack <= value <= high + slack:
         return min(max(value, low), high)
     raise PluginError(
         f"objective '{term.id}' of {term.distribution} returned {value} in {where}; it declares"

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import fnmatch
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from moseg_core.errors import ExpressionError, PluginError, UsageError, nearest, unknown
@@ -58,7 +58,8 @@ class BoundTerm:
     @property
     def memo_key(self) -> tuple[Any, ...]:
         """What tells this objective with these parameters from all others."""
-        return (self.id, tuple(sorted(self.parameters.items())))
+        # The object too: two functions of the calling program may have one name.
+        return (self.id, self.objective, tuple(sorted(self.parameters.items())))
 
 
 def bind(
@@ -109,13 +110,12 @@ def _bind_term(
             chosen.append(index)
     _check_count(term, text, target, len(chosen))
     parameters: dict[str, Any] = {}
-    for (key, value), span in zip(term.parameters, term.keys, strict=True):
+    optional = tuple(replace(parameter, required=False) for parameter in target.parameters)
+    # An expression made in Python need not say where its parameters stand.
+    spans = term.keys or (term.span,) * len(term.parameters)
+    for (key, value), span in zip(term.parameters, spans, strict=True):
         try:
-            parameters |= check_parameters(
-                tuple(p for p in target.parameters if not p.required or p.name == key),
-                {key: value},
-                f"'{term.name}'",
-            )
+            parameters |= check_parameters(optional, {key: value}, f"'{term.name}'")
         except UsageError as error:
             raise ExpressionError(str(error), text, *span) from error
     try:
@@ -153,7 +153,7 @@ def _find(
         known = [*objectives, *registry.names("objective")]
         if term.name in labels:
             reason = f"'{term.name}' is a label, not an objective; write objective({term.name})"
-        elif nearest(term.name, objectives):
+        elif nearest(term.name, objectives) and "ambiguous" not in reason:
             reason = unknown("objective", term.name, known)
         raise ExpressionError(reason, text, *term.span) from error
     target = component.load()

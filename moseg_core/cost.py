@@ -17,7 +17,7 @@ class Cost(NamedTuple):
     Parameters
     ----------
     empty : int
-        Number of parts that are empty or have no extent.
+        Number of parts that are empty or have no extent, and of pins that are broken.
     value : float
         Weighted sum over the terms whose parts are all there.
 

@@ -17,6 +17,7 @@ code  meaning
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Iterable
 from typing import ClassVar
 
@@ -72,9 +73,11 @@ class ExpressionError(UsageError):
 
     def __str__(self) -> str:
         reason, _, suggestion = self.reason.partition("; ")
-        headline = f'{reason} in "{self.text}"' + (f"; {suggestion}" if suggestion else "")
+        # One line, in which every character stays where the caret expects it.
+        text = re.sub(r"\s", " ", self.text)
+        headline = f'{reason} in "{text}"' + (f"; {suggestion}" if suggestion else "")
         caret = " " * self.start + "^" * (self.stop - self.start)
-        return f"{headline}\n  {self.text}\n  {caret}"
+        return f"{headline}\n  {text}\n  {caret}"
 
 
 def nearest(name: str, known: Iterable[str]) -> str | None:

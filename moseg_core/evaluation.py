@@ -12,8 +12,6 @@ The search spends its time here. Three things keep it short, none of which chang
 
 from __future__ import annotations
 
-import numpy as np
-
 from moseg_core.aggregate import (
     Evaluation,
     Values,
@@ -25,12 +23,14 @@ from moseg_core.aggregate import (
 from moseg_core.binding import BoundTerm
 from moseg_core.cost import Cost
 from moseg_core.memo import Memo
+from moseg_core.pins import NO_PINS, Pins
 from moseg_core.plugins import measure_resolver
 from moseg_core.problem import Problem
 from moseg_core.protocols import Batch, Parameterization
 from moseg_core.segmentation import Segmentation
 from moseg_core.shape import Shape
-from moseg_core.types import FloatArray, Int32Array
+from moseg_core.types import FloatArray, Int32Array, IntArray
+from moseg_core.unary import UnaryCosts
 
 
 class Evaluator:
@@ -41,6 +41,8 @@ class Evaluator:
     shape : Shape
     problem : Problem
     parameterization : Parameterization
+    pins : Pins, optional
+        Elements that must bear a label; each that does not counts like an empty part.
     memo : Memo, optional
         Shared values; a memory of its own by default.
 
@@ -56,12 +58,14 @@ class Evaluator:
         problem: Problem,
         parameterization: Parameterization,
         *,
+        pins: Pins = NO_PINS,
         memo: Memo | None = None,
     ) -> None:
         problem.check(shape)
         self.shape = shape
         self.problem = problem
         self.parameterization = parameterization
+        self.pins = pins
         self.memo = Memo() if memo is None else memo
         self.evaluations = 0
         self._measures = measure_resolver(problem.registry)
@@ -83,8 +87,16 @@ class Evaluator:
 
     def evaluate(self, vector: FloatArray) -> Evaluation:
         """Cost by term and part of one vector."""
-        segmentation = self.segmentation(self.labels(vector))
-        return evaluate_segmentation(self.problem.terms, self.problem.labels, segmentation)
+        return self.evaluate_labels(self.labels(vector))
+
+    def evaluate_labels(self, labels: Int32Array) -> Evaluation:
+        """Cost by term and part of one labelling."""
+        return evaluate_segmentation(
+            self.problem.terms,
+            self.problem.labels,
+            self.segmentation(labels),
+            broken_pins=self.pins.broken(labels),
+        )
 
     def costs(self, batch: Batch) -> list[Cost]:
         """Costs of a batch, exact where its promises do not allow otherwise.
@@ -112,14 +124,40 @@ class Evaluator:
         found = self._complete(candidates, batch)
         return [found[k] for k in owner]
 
-    def unary_costs(self, vector: FloatArray) -> FloatArray:
-        """(n, n) float: entry ``i, j`` is the cost of giving part ``i`` the label ``j``.
+    def unary_costs(self, vector: FloatArray) -> UnaryCosts:
+        """The paper's cost matrix ``C`` for the parts of a vector (Sec. 6)."""
+        return UnaryCosts(self.problem, self.segmentation(self.labels(vector)), self.pins)
 
-        Each unary objective of label ``j`` times its weight, the paper's cost matrix ``C``
-        (Sec. 6). A part that is empty costs more than all others together, whatever its label.
+    def order_cost(self, segmentation: Segmentation, order: IntArray) -> Cost:
+        """Cost of a segmentation when label ``j`` goes to its part ``order[j]``."""
+        permuted = segmentation.permuted(order)
+        return evaluate_segmentation(
+            self.problem.terms,
+            self.problem.labels,
+            permuted,
+            broken_pins=self.pins.broken(permuted.labels),
+        ).cost
+
+    def labelled_costs(self, vectors: FloatArray) -> list[tuple[IntArray, Cost]]:
+        """For each vector the best labels by the unary objectives, and the cost under them.
+
+        Parameters
+        ----------
+        vectors : (B, m) float
+            Their parts are taken to have no labels yet.
+
+        Returns
+        -------
+        list of (order, Cost)
+            ``order[j]`` is the part that label ``j`` goes to; the cost counts all terms.
         """
-        segmentation = self.segmentation(self.labels(vector))
-        return unary_cost_matrix(self.problem, segmentation)
+        self.evaluations += len(vectors)
+        found = []
+        for labels in self.parameterization.labels(vectors):
+            segmentation = self.segmentation(labels)
+            order = UnaryCosts(self.problem, segmentation, self.pins).assign()
+            found.append((order, self.order_cost(segmentation, order)))
+        return found
 
     def _complete(self, candidates: list[_Candidate], batch: Batch) -> list[Cost]:
         """Costs of distinct candidates, dropping those that cannot matter."""
@@ -134,8 +172,8 @@ class Evaluator:
             return [candidate.cost for candidate in candidates]
         # Cheapest terms of all first: the most promising candidate then sets the mark early.
         best: tuple[Cost, int] | None = None
-        fewest = min((candidate.empty_count for candidate in candidates), default=0)
-        hopeful = [k for k, c in enumerate(candidates) if c.empty_count == fewest]
+        fewest = min((candidate.violations for candidate in candidates), default=0)
+        hopeful = [k for k, c in enumerate(candidates) if c.violations == fewest]
         for k in hopeful:
             candidates[k].evaluate(ranks[0])
         for k in sorted(hopeful, key=lambda k: (candidates[k].cost, k)):
@@ -160,12 +198,12 @@ class _Candidate:
         self.names = evaluator.problem.labels
         self.segmentation = segmentation
         self.empty: list[bool] = segmentation.summary.empty(segmentation.shape).tolist()
-        self.empty_count = sum(self.empty)
+        self.violations = sum(self.empty) + evaluator.pins.broken(segmentation.labels)
         self.values: Values = [
             [None if leaves_out(term, call, self.empty) else _least(term) for call in term.calls]
             for term in self.terms
         ]
-        self.cost = Cost(self.empty_count, weighted_sum(self.terms, self.values))
+        self.cost = Cost(self.violations, weighted_sum(self.terms, self.values))
 
     def evaluate(self, rank: int) -> None:
         """Evaluate the terms of one cost class; `cost` becomes a better lower bound."""
@@ -175,24 +213,10 @@ class _Candidate:
                     self.values[t][c] = call_value(
                         term, call, self.segmentation, self.empty, self.names
                     )
-        self.cost = Cost(self.empty_count, weighted_sum(self.terms, self.values))
+        self.cost = Cost(self.violations, weighted_sum(self.terms, self.values))
 
 
 def _least(term: BoundTerm) -> float:
     """The value of a call that adds the least to the cost."""
     low, high = term.objective.traits.range
     return low if term.weight > 0 else high
-
-
-def unary_cost_matrix(problem: Problem, segmentation: Segmentation) -> FloatArray:
-    """See :meth:`Evaluator.unary_costs`."""
-    n = len(problem.labels)
-    empty: list[bool] = segmentation.summary.empty(segmentation.shape).tolist()
-    matrix = np.zeros((n, n))
-    for term in problem.unary_terms:
-        for (label,) in term.calls:
-            for part in range(n):
-                value = call_value(term, (part,), segmentation, empty, problem.labels)
-                matrix[part, label] += 0.0 if value is None else term.weight * value
-    matrix[empty] = 1.0 + np.abs(matrix).sum()
-    return matrix

@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from moseg_core.errors import PluginError, UsageError
+from moseg_core.errors import MosegError, PluginError, UsageError
 from moseg_core.language import parse_call
 from moseg_core.language.terms import format_number
 from moseg_core.parameters import check_parameters, declared_parameters
@@ -107,7 +107,7 @@ class Ready:
         """
         try:
             return self.factory(*arguments, **more, **self.parameters)
-        except UsageError:
+        except MosegError:
             raise
         except Exception as error:  # a stranger's constructor may raise anything
             raise PluginError(

@@ -78,7 +78,8 @@ class Traits:
             return "one label or more"
         if self.least == self.most:
             return f"exactly {self.least} labels"
-        return f"{self.least} labels or more" + (f", at most {self.most}" if self.most else "")
+        few = "one label" if self.least == 1 else f"{self.least} labels"
+        return f"{few} or more" + (f", at most {self.most}" if self.most else "")
 
 
 class FunctionObjective:
@@ -143,7 +144,7 @@ def objective(
     TypeError
         The first argument's annotation is none of Part, Sequence[Part] and Segmentation.
     ValueError
-        A range whose ends are in the wrong order.
+        A range whose ends are in the wrong order; an unknown requirement, invariance or cost.
 
     Examples
     --------
@@ -156,6 +157,13 @@ def objective(
     """
     if not range[0] < range[1]:
         raise ValueError(f"an objective's range goes from low to high, not {range}")
+    for what, given, allowed in (
+        ("requires", requires, get_args(Requirement)),
+        ("invariant_to", invariant_to, get_args(Invariance)),
+        ("cost", (cost,), get_args(CostClass)),
+    ):
+        if isinstance(given, str) or not set(given) <= set(allowed):
+            raise ValueError(f"an objective's {what} is of {', '.join(allowed)}; not {given!r}")
 
     def decorate(function: Callable[..., float]) -> FunctionObjective:
         arity, count = _read_signature(function)
@@ -168,20 +176,30 @@ def objective(
             least=count if count is not None else (2 if least is None else least),
             most=count,
         )
-        return FunctionObjective(function, traits, spread=arity == "nary" and count is not None)
+        made = FunctionObjective(function, traits, spread=arity == "nary" and count is not None)
+        _ = made.parameters  # so that a parameter of an odd type shows here, not on first use
+        return made
 
     return decorate
 
 
 def _read_signature(function: Callable[..., float]) -> tuple[Arity, int | None]:
     """(arity, fixed number of parts or None) from the annotations of the positional arguments."""
-    hints = get_type_hints(function)
+    name = getattr(function, "__name__", repr(function))
+    try:
+        hints = get_type_hints(function)
+        signature = inspect.signature(function)
+    except (NameError, ValueError) as error:
+        raise TypeError(f"the signature of '{name}' cannot be read: {error}") from error
     positional = [
-        parameter.name
-        for parameter in inspect.signature(function).parameters.values()
+        parameter
+        for parameter in signature.parameters.values()
         if parameter.kind is not inspect.Parameter.KEYWORD_ONLY
     ]
-    kinds = [hints.get(name) for name in positional]
+    kinds = [
+        None if parameter.kind is inspect.Parameter.VAR_POSITIONAL else hints.get(parameter.name)
+        for parameter in positional
+    ]
     if kinds == [Segmentation]:
         return "global", None
     if kinds == [Part]:
@@ -193,6 +211,6 @@ def _read_signature(function: Callable[..., float]) -> tuple[Arity, int | None]:
         if isinstance(origin, type) and issubclass(origin, Sequence):
             return "nary", None
     raise TypeError(
-        f"objective '{function.__name__}' must take a Part, several arguments annotated Part, a"
+        f"objective '{name}' must take a Part, several arguments annotated Part, a"
         f" Sequence[Part] or a Segmentation; parameters come after '*'"
     )

@@ -80,12 +80,16 @@ class Parameter:
                 raise UsageError(
                     f"{owner}: parameter '{self.name}' must be a number, not {value!r}"
                 )
+            if not math.isfinite(value):
+                raise UsageError(f"{owner}: parameter '{self.name}' must be finite, not {value}")
             if self.type is int and value != int(value):
                 raise UsageError(f"{owner}: parameter '{self.name}' must be whole, not {value:g}")
             if value not in self.interval:
                 raise UsageError(
                     f"{owner}: parameter '{self.name}' is {value:g}; allowed is {self.interval}"
                 )
+        elif self.type is bool and value in (0, 1):
+            return bool(value)  # expressions have numbers only
         elif not isinstance(value, self.type):
             raise UsageError(
                 f"{owner}: parameter '{self.name}' must be a {self.type.__name__}, not {value!r}"
@@ -107,7 +111,8 @@ def declared_parameters(
     Raises
     ------
     TypeError
-        A parameter whose type is none of float, int, bool and str.
+        A parameter whose type is none of float, int, bool and str, or whose annotation names
+        something that does not exist; an object without a signature.
 
     Examples
     --------
@@ -116,9 +121,13 @@ def declared_parameters(
     [('radius', <class 'float'>, '0 or more')]
     """
     function = getattr(target, "__init__") if isinstance(target, type) else target  # noqa: B009  # mypy
-    hints = get_type_hints(function, include_extras=True)
+    try:
+        hints = get_type_hints(function, include_extras=True)
+        signature = inspect.signature(target)
+    except (NameError, ValueError) as error:
+        raise TypeError(f"its signature cannot be read: {error}") from error
     found = []
-    for parameter in inspect.signature(target).parameters.values():
+    for parameter in signature.parameters.values():
         if parameter.kind is not inspect.Parameter.KEYWORD_ONLY or parameter.name in reserved:
             continue
         required = parameter.default is inspect.Parameter.empty

@@ -7,20 +7,23 @@ their parameters first, then whether the shape has what the objectives need.
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
-from moseg_core.errors import PluginError, UsageError
+from moseg_core.errors import UsageError, unknown
 from moseg_core.evaluation import Evaluator
 from moseg_core.method import Choice, Method, Ready, prepare
+from moseg_core.pins import read_pins
 from moseg_core.problem import Problem
-from moseg_core.protocols import Centers, Optimizer, Parameterization, Progress, Report, Seeding
+from moseg_core.protocols import Centers, Parameterization, Progress, Report
 from moseg_core.result import Result, find_warnings
+from moseg_core.search import Outcome, search_once
 from moseg_core.shape import Shape
 from moseg_core.specs import Kind
-from moseg_core.types import FloatArray, IntArray
 
 _KINDS: tuple[Kind, ...] = ("parameterization", "seeder", "labeler", "optimizer")
 
@@ -34,6 +37,10 @@ def segment(
     labeler: str | Mapping[str, Any] | Choice | None = None,
     optimizer: str | Mapping[str, Any] | Choice | None = None,
     parameterization: str | Mapping[str, Any] | Choice | None = None,
+    start: Centers | Result | None = None,
+    freeze: Sequence[str] = (),
+    pins: Mapping[str, npt.ArrayLike] | None = None,
+    restarts: int = 1,
     seed: int = 0,
     max_seconds: float | None = None,
     report: Report | None = None,
@@ -48,12 +55,22 @@ def segment(
         All components at once, as a recipe holds them; the paper's by default.
     seeder, labeler, optimizer, parameterization : str, mapping or Choice, optional
         Single components, instead of those of `method`: ``"pattern_search(expansion=2)"``.
+    start : Centers or Result, optional
+        Go on from these centres, one per label in the problem's order, instead of seeding.
+    freeze : sequence of str
+        Labels whose centre and weight stay where they start.
+    pins : mapping of str to array_like of int, optional
+        Elements that must bear a label: ``{"head": [120, 121]}``.
+    restarts : int
+        Number of starts, each with random numbers of its own. They share a limit on evaluations
+        and seconds; the best result is returned, the costs of all are in its history.
     seed : int
         Seed of the random generator; the same seed gives the same result.
     max_seconds : float, optional
         Ends the search after about this time. The result then depends on the machine.
     report : callable, optional
-        Receives a :class:`moseg_core.protocols.Progress` now and then.
+        Receives a :class:`moseg_core.protocols.Progress` now and then; ends the run with the
+        best found so far by returning True.
 
     Returns
     -------
@@ -62,7 +79,7 @@ def segment(
     Raises
     ------
     UsageError
-        An unknown component or parameter.
+        An unknown component, parameter or label; a start that does not fit the problem.
     ShapeError
         The shape lacks what an objective needs.
     PluginError
@@ -77,53 +94,147 @@ def segment(
     >>> result.labels.shape == (shape.n_elements,)
     True
     """
-    method = method or Method()
     given = {
         "parameterization": parameterization,
         "seeder": seeder,
         "labeler": labeler,
         "optimizer": optimizer,
     }
-    ready = prepare_method(problem, method, given)
+    ready = prepare_method(problem, method or Method(), given)
     if seed < 0:
         raise UsageError(f"the seed must not be negative, and is {seed}")
-    report = report or _silent
-    rng = np.random.default_rng(seed)
+    if restarts < 1:
+        raise UsageError(f"there must be at least one start, not {restarts}")
+    frozen = [_label_index(problem, name) for name in freeze]
     partition: Parameterization = ready["parameterization"].make(shape, len(problem.labels))
-    evaluator = Evaluator(shape, problem, partition)
-
-    seeding = _seed(ready["seeder"], evaluator, rng, report)
-    n = len(problem.labels)
-    vector = partition.encode(Centers(positions=seeding.centers, weights=np.ones(n)))
-    vector = partition.permute(vector, _label(ready["labeler"], evaluator, vector))
-    search: Optimizer = ready["optimizer"].make(
-        vector, partition.lower, partition.upper, partition.scale, rng=rng
+    evaluator = Evaluator(
+        shape,
+        problem,
+        partition,
+        pins=read_pins(pins or {}, problem.labels, shape.n_elements),
     )
-    deadline = None if max_seconds is None else time.monotonic() + max_seconds
-    reason = run_search(
-        search, evaluator, deadline, report, stage=ready["optimizer"].component.spec.name
+    outcomes = _all_starts(
+        evaluator,
+        _shared_budget(ready, restarts),
+        restarts,
+        seed,
+        report or _silent,
+        start=_start_centers(start, problem),
+        frozen=frozen,
+        deadline=None if max_seconds is None else time.monotonic() + max_seconds,
     )
-
-    vector, _ = search.best
-    labels = evaluator.labels(vector)
-    evaluation = problem.evaluate(shape, labels, memo=evaluator.memo)
+    best = min(outcomes, key=lambda outcome: outcome.cost)
+    labels = evaluator.labels(best.vector)
     segmentation = evaluator.segmentation(labels)
-    warnings = find_warnings(evaluation, segmentation, problem.labels, reason)
+    evaluation = evaluator.evaluate_labels(labels)
+    warnings = [outcome.warning for outcome in outcomes[:1] if outcome.warning]
+    warnings += find_warnings(evaluation, segmentation, problem.labels, best.reason)
+    warnings += _disagreement(outcomes)
+    history = dict(best.history)
+    if restarts > 1:
+        history["restarts"] = tuple(
+            {"value": o.cost.value, "empty": o.cost.empty} for o in outcomes
+        )
     return Result(
         shape=shape,
         problem=problem,
         labels=labels,
         evaluation=evaluation,
-        centers=partition.decode(vector),
-        history={"seeding": seeding.history, "search": search.history},
+        centers=partition.decode(best.vector),
+        history=history,
         method={
             kind: str(Choice(ready[kind].component.id, ready[kind].parameters)) for kind in _KINDS
         },
         seed=seed,
         versions=_versions(problem, ready),
-        reason=reason,
-        warnings=((seeding.warning,) if seeding.warning else ()) + warnings,
+        reason=best.reason,
+        warnings=tuple(warnings),
     )
+
+
+def _all_starts(
+    evaluator: Evaluator,
+    ready: Mapping[Kind, Ready],
+    restarts: int,
+    seed: int,
+    report: Report,
+    *,
+    start: Centers | None,
+    frozen: Sequence[int],
+    deadline: float | None,
+) -> list[Outcome]:
+    """Run the search from one start after the other, until asked to stop."""
+    stopped = False
+
+    def listen(progress: Progress) -> bool:
+        nonlocal stopped
+        stopped = report(progress) or stopped
+        return stopped
+
+    outcomes: list[Outcome] = []
+    for k in range(restarts):
+        outcomes.append(
+            search_once(
+                evaluator,
+                ready,
+                rng=np.random.default_rng(seed if k == 0 else [seed, k]),
+                report=listen,
+                start=start,
+                frozen=frozen,
+                deadline=deadline,
+            )
+        )
+        if stopped or outcomes[-1].reason == "seconds":
+            break
+    return outcomes
+
+
+def _shared_budget(ready: dict[Kind, Ready], restarts: int) -> dict[Kind, Ready]:
+    """The components with a limit on evaluations divided among the starts."""
+    optimizer = ready["optimizer"]
+    budget = optimizer.parameters.get("max_evaluations")
+    if restarts == 1 or budget is None:
+        return ready
+    shared = {**optimizer.parameters, "max_evaluations": max(1, budget // restarts)}
+    return {**ready, "optimizer": replace(optimizer, parameters=shared)}
+
+
+def _start_centers(start: Centers | Result | None, problem: Problem) -> Centers | None:
+    """Centres in the problem's order, or a UsageError where they do not fit it."""
+    if isinstance(start, Result):
+        if sorted(start.problem.labels) != sorted(problem.labels):
+            raise UsageError(
+                f"the start has the labels {', '.join(start.problem.labels)}; the problem has"
+                f" {', '.join(problem.labels)}"
+            )
+        order = [start.problem.labels.index(name) for name in problem.labels]
+        start = Centers(
+            positions=start.centers.positions[order], weights=start.centers.weights[order]
+        )
+    n = len(problem.labels)
+    if start is not None and (
+        np.shape(start.positions) != (n, 3) or np.shape(start.weights) != (n,)
+    ):
+        raise UsageError(f"the start needs a centre and a weight for each of {n} labels")
+    return start
+
+
+def _label_index(problem: Problem, name: str) -> int:
+    if name not in problem.labels:
+        raise UsageError(f"freeze: {unknown('label', name, problem.labels)}")
+    return problem.labels.index(name)
+
+
+def _disagreement(outcomes: Sequence[Outcome]) -> list[str]:
+    """A warning where several starts ended at clearly different costs."""
+    values = [outcome.cost.value for outcome in outcomes]
+    least, greatest = min(values), max(values)
+    if greatest - least <= 0.05 * abs(least):
+        return []
+    return [
+        f"{len(values)} starts ended at costs from {least:.4g} to {greatest:.4g}; the best is"
+        f" reported, and more starts may find better"
+    ]
 
 
 def prepare_method(
@@ -154,63 +265,12 @@ def prepare_method(
     return ready
 
 
-def run_search(
-    search: Optimizer,
-    evaluator: Evaluator,
-    deadline: float | None,
-    report: Report,
-    *,
-    stage: str,
-) -> str:
-    """Ask and tell until the optimizer has finished or the time is up; the reason it ended.
-
-    Parameters
-    ----------
-    search : Optimizer
-    evaluator : Evaluator
-    deadline : float or None
-        On the clock of :func:`time.monotonic`; looked at after each batch.
-    report : callable
-    stage : str
-        What to call the search in reports.
-    """
-    before = evaluator.evaluations
-    while not search.finished:
-        search.tell(evaluator.costs(search.ask()))
-        done = evaluator.evaluations - before
-        report(Progress(stage=stage, done=done, best=search.best[1], fraction=search.progress))
-        if deadline is not None and time.monotonic() >= deadline and not search.finished:
-            return "seconds"
-    return search.finished
-
-
-def _seed(ready: Ready, evaluator: Evaluator, rng: np.random.Generator, report: Report) -> Seeding:
-    seeding: Seeding = ready.make()(evaluator, rng=rng, report=report)
-    n = evaluator.parameterization.n_parts
-    if np.shape(seeding.centers) != (n, 3) or not np.isfinite(seeding.centers).all():
-        raise PluginError(
-            f"seeder '{ready.component.id}' of {ready.component.distribution} must return"
-            f" {n} finite centres, not an array of shape {np.shape(seeding.centers)}"
-        )
-    return seeding
-
-
-def _label(ready: Ready, evaluator: Evaluator, vector: FloatArray) -> IntArray:
-    order: IntArray = np.asarray(ready.make()(evaluator, vector))
-    n = evaluator.parameterization.n_parts
-    if sorted(order.tolist()) != list(range(n)):
-        raise PluginError(
-            f"labeler '{ready.component.id}' of {ready.component.distribution} must return a"
-            f" permutation of 0 to {n - 1}, not {order.tolist()}"
-        )
-    return order
-
-
 def _versions(problem: Problem, ready: Mapping[Kind, Ready]) -> dict[str, str]:
     used = {term.id: term.distribution for term in problem.terms}
     used |= {r.component.id: r.component.distribution for r in ready.values()}
     return dict(sorted(used.items()))
 
 
-def _silent(progress: Progress) -> None:
-    """Report nothing."""
+def _silent(progress: Progress) -> bool:
+    """Report nothing, and go on."""
+    return False

@@ -11,8 +11,9 @@ The core's own components come through the same door, as the bundle ``core``.
 from __future__ import annotations
 
 import importlib
+import inspect
 import os
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib import metadata
@@ -67,8 +68,7 @@ class Component:
         except (Exception, SystemExit) as error:  # a stranger's module may raise anything
             raise PluginError(
                 f"{self.kind} '{self.id}' of {self.distribution} cannot be loaded from"
-                f" '{self.spec.target}': {_describe(error)}; update or reinstall"
-                f" {self.distribution.split()[0]}"
+                f" '{self.spec.target}': {describe(error)}; update or reinstall it"
             ) from error
 
 
@@ -155,9 +155,11 @@ class Registry:
                 )
         known = [c.id for c in components] if namespace else self.names(kind)
         message = unknown(kind, name, known)
-        if aside := [bundle.name for bundle in self.bundles if bundle.problem]:
-            message += f" (set aside, see 'moseg plugin list': {', '.join(aside)})"
-        raise UsageError(message)
+        raise UsageError(message + self._mention_aside())
+
+    def _mention_aside(self) -> str:
+        aside = [bundle.name for bundle in self.bundles if bundle.problem]
+        return f" (set aside, see 'moseg plugin list': {', '.join(aside)})" if aside else ""
 
     def by_suffix(self, kind: Kind, suffix: str) -> Component:
         """The reader or writer for a file suffix such as ``".off"``.
@@ -175,7 +177,8 @@ class Registry:
             allowed = ", ".join(sorted(suffixes))
             verb = "read" if kind == "reader" else "write"
             asked = f"'{suffix}'" if suffix else "without a suffix"
-            raise UsageError(f"cannot {verb} files {asked}; formats: {allowed}")
+            message = f"cannot {verb} files {asked}; formats: {allowed}"
+            raise UsageError(message + self._mention_aside())
         return suffixes[suffix.lower()]
 
 
@@ -232,6 +235,8 @@ def discover(
         if restrict_to is not None and point.name not in restrict_to:
             continue
         rivals = {_distribution(p)[0] for p in points if p.name == point.name}
+        if point.name == "core" and _distribution(point)[0] == "moseg-core":
+            rivals = {"moseg-core"}  # nobody can set the core aside
         bundles.append(_load_bundle(manager, point, rivals))
     return Registry(bundles)
 
@@ -257,16 +262,15 @@ def _load_bundle(
         module = point.load()
     except (Exception, SystemExit) as error:  # noqa: BLE001  # a stranger's module may raise anything
         return aside(
-            f"importing '{point.value}' failed with {_describe(error)}",
+            f"importing '{point.value}' failed with {describe(error)}",
             f"update or reinstall {distribution}, or uninstall it",
         )
-    misspelled = _unknown_hooks(module)
-    if misspelled:
-        return aside(misspelled, report)
     try:
+        if misspelled := _unknown_hooks(module):
+            return aside(misspelled, report)
         manager.register(module, name=point.name)
-    except (ValueError, pluggy.PluginValidationError) as error:
-        return aside(f"registering it failed with {_describe(error)}", report)
+    except Exception as error:  # noqa: BLE001  # a stranger's module may raise anything
+        return aside(f"registering it failed with {describe(error)}", report)
 
     components: list[Component] = []
     for hook, (kind, spec_type) in HOOKS.items():
@@ -276,8 +280,8 @@ def _load_bundle(
                 continue
             try:
                 specs = list(implementation.function())
-            except Exception as error:  # noqa: BLE001  # a stranger's hook may raise anything
-                return aside(f"hook '{hook}' failed with {_describe(error)}", report)
+            except (Exception, SystemExit) as error:  # noqa: BLE001  # a stranger's hook
+                return aside(f"hook '{hook}' failed with {describe(error)}", report)
             for spec in specs:
                 if not isinstance(spec, spec_type):
                     return aside(
@@ -294,10 +298,7 @@ def _load_bundle(
 
 def _unknown_hooks(module: ModuleType) -> str:
     """A complaint about functions marked as hooks that are none; empty where all are known."""
-    for name in dir(module):
-        marked = getattr(getattr(module, name), "moseg_impl", None)
-        if marked is None:
-            continue
+    for name, marked in _marked(module):
         hook = marked.get("specname") or name
         if hook not in HOOKS:
             guess = nearest(hook, HOOKS)
@@ -306,12 +307,23 @@ def _unknown_hooks(module: ModuleType) -> str:
     return ""
 
 
+def _marked(module: ModuleType) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Names and marks of the functions that :data:`moseg_core.hookspecs.hookimpl` has marked."""
+    for name in dir(module):
+        value = getattr(module, name)
+        # Only functions: proxies and mocks answer to any attribute, or raise at a touch.
+        marks = getattr(value, "moseg_impl", None) if inspect.isroutine(value) else None
+        if isinstance(marks, dict):
+            yield name, marks
+
+
 def _distribution(point: metadata.EntryPoint) -> tuple[str, str]:
     if point.dist is None:
         return "an unnamed distribution", "of unknown version"
     return point.dist.name, point.dist.version
 
 
-def _describe(error: BaseException) -> str:
+def describe(error: BaseException) -> str:
+    """Kind and message of an error, in one line."""
     text = " ".join(str(error).split())
     return f"{type(error).__name__}: {text}" if text else type(error).__name__

@@ -8,7 +8,7 @@ checked when the two meet, and before the search.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cached_property
 
 import numpy.typing as npt
@@ -19,7 +19,7 @@ from moseg_core.errors import ShapeError, UsageError
 from moseg_core.language import Expression, parse
 from moseg_core.memo import Memo
 from moseg_core.objectives import objective
-from moseg_core.plugins import Registry, registry
+from moseg_core.plugins import Registry, measure_resolver, registry
 from moseg_core.protocols import Objective
 from moseg_core.segmentation import Segmentation
 from moseg_core.shape import Shape
@@ -67,6 +67,8 @@ class Problem:
         registry: Registry | None = None,
     ) -> None:
         self.labels = check_label_names(labels)
+        if not isinstance(minimize, str | Expression):
+            raise UsageError(f"minimize must be a text such as 'narrow(a)', not {minimize!r}")
         self.expression = parse(minimize) if isinstance(minimize, str) else minimize
         self._own = {name: _as_objective(name, f) for name, f in (objectives or {}).items()}
         self._registry = registry
@@ -142,7 +144,10 @@ class Problem:
         (0.166667, 'narrow(a)')
         """
         self.check(shape)
-        segmentation = Segmentation.from_labels(shape, labels, len(self.labels), memo=memo)
+        measures = measure_resolver(self.registry)
+        segmentation = Segmentation.from_labels(
+            shape, labels, len(self.labels), memo=memo, measures=measures
+        )
         return evaluate_segmentation(self.terms, self.labels, segmentation)
 
 
@@ -158,6 +163,8 @@ def check_label_names(labels: Sequence[str]) -> tuple[str, ...]:
     """
     if isinstance(labels, str):
         raise UsageError(f"labels must be a list of names, not the text '{labels}'")
+    if not isinstance(labels, Iterable):
+        raise UsageError(f"labels must be a list of names, not {labels!r}")
     names = tuple(labels)
     if not names:
         raise UsageError("a problem needs at least one label")

@@ -109,6 +109,10 @@ class Parameterization(Protocol):
         """(P, n) float: how far each point (model units) is from each part; least wins."""
         ...
 
+    def coordinates(self, part: int) -> IntArray:
+        """Indices of the coordinates that belong to one part, for keeping it as it is."""
+        ...
+
     def permute(self, vector: FloatArray, order: IntArray) -> FloatArray:
         """(m,) float: the vector whose part ``j`` is part ``order[j]`` of the given one."""
         ...
@@ -125,11 +129,14 @@ class Seeding:
         One record per round, of numbers only, for the convergence curves.
     warning : str
         What the user should know; empty where all is well.
+    labelled : bool
+        Whether centre ``j`` belongs to label ``j`` already, so that no labeler is asked.
     """
 
     centers: FloatArray
     history: tuple[dict[str, float], ...] = ()
     warning: str = ""
+    labelled: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -154,8 +161,8 @@ class Progress:
     fraction: float | None = None
 
 
-Report = Callable[[Progress], None]
-"""Called now and then while a run goes on."""
+Report = Callable[[Progress], bool]
+"""Called now and then while a run goes on; True asks to stop with the best found so far."""
 
 
 @runtime_checkable

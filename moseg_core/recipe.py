@@ -19,7 +19,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from moseg_core.errors import UsageError, unknown
+from moseg_core.errors import PluginError, UsageError, unknown
 from moseg_core.method import Choice, Method
 from moseg_core.plugins import Registry, registry
 from moseg_core.problem import check_label_names
@@ -75,15 +75,20 @@ def parse_recipe(text: str, name: str) -> Recipe:
     for key in table:
         if key not in allowed:
             raise UsageError(f"recipe '{name}': {unknown('key', key, allowed)}")
-    labels = _required(table, "labels", list, name)
+    given = _required(table, "labels", list, name)
+    minimize = _required(table, "minimize", str, name)
+    description = _required({"description": ""} | table, "description", str, name)
+    try:
+        labels = check_label_names(given)
+        choices = {key: Choice.read(table[key], key) for key in _METHOD_KEYS if key in table}
+    except UsageError as error:
+        raise UsageError(f"recipe '{name}': {error}") from error
     return Recipe(
         name=name,
-        labels=check_label_names(labels),
-        minimize=_required(table, "minimize", str, name),
-        method=Method(
-            **{key: Choice.read(table[key], key) for key in _METHOD_KEYS if key in table}
-        ),
-        description=table.get("description", ""),
+        labels=labels,
+        minimize=minimize,
+        method=Method(**choices),
+        description=description,
     )
 
 
@@ -109,7 +114,13 @@ def load_recipe(name: str, *, source: Registry | None = None) -> Recipe:
             raise UsageError(f"recipe '{name}' cannot be read: {error}") from error
         return parse_recipe(text, Path(name).stem)
     component = (registry() if source is None else source).find("recipe", name)
-    return parse_recipe(str(component.load()), component.spec.name)
+    text = component.load()
+    if not isinstance(text, str):
+        raise PluginError(
+            f"recipe '{component.id}' of {component.distribution} is a {type(text).__name__}, not"
+            f" a text"
+        )
+    return parse_recipe(text, component.spec.name)
 
 
 def _required(table: Mapping[str, Any], key: str, kind: type, name: str) -> Any:

@@ -87,6 +87,8 @@ def find_warnings(
         f"part '{name}' is empty; terms about it are left out of the cost"
         for name in evaluation.empty
     ]
+    if evaluation.broken_pins:
+        found.append(f"{evaluation.broken_pins} pinned elements bear another label than theirs")
     for term in evaluation.terms:
         for call in term.at_worst:
             about = f" for {', '.join(call.labels)}" if call.labels else ""

@@ -120,6 +120,23 @@ class Segmentation:
             measures=measure_resolver() if measures is None else measures,
         )
 
+    def permuted(self, order: IntArray) -> Segmentation:
+        """The same parts under other labels: part ``j`` is part ``order[j]`` of this one."""
+        rank = np.empty(self.n_parts, np.int32)
+        rank[order] = np.arange(self.n_parts, dtype=np.int32)
+        return Segmentation(
+            shape=self.shape,
+            labels=rank[self.labels],
+            n_parts=self.n_parts,
+            summary=Summary(
+                counts=self.summary.counts[order],
+                hashes=self.summary.hashes[order],
+                moments=self.summary.moments[order],
+            ),
+            memo=self.memo,
+            measures=self.measures,
+        )
+
     @cached_property
     def parts(self) -> tuple[Part, ...]:
         """One part per label, in label order; parts without elements included."""

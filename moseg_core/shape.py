@@ -67,6 +67,8 @@ class Shape:
     points : (F, 3) float, model units
         Where each element is: the centroid of a face.
     areas : (F,) float, model units squared
+    first_moments : (F, 3) float
+        Area times centroid of each element, about ``frame.center``.
     second_moments : (F, 6) float
         xx, xy, xz, yy, yz, zz of each element's second moment about ``frame.center``.
     frame : Frame
@@ -86,6 +88,7 @@ class Shape:
 
     points: FloatArray
     areas: FloatArray
+    first_moments: FloatArray
     second_moments: FloatArray
     frame: Frame
     adjacency: Adjacency | None
@@ -144,7 +147,7 @@ class Shape:
         low, high = used.min(axis=0), used.max(axis=0)
         scale = float(np.linalg.norm(high - low))
         frame = Frame((low + high) / 2.0, scale)
-        points, areas, second = _element_moments(mesh, frame.center)
+        points, areas, first, second = _element_moments(mesh, frame.center)
         # A bounding box of no extent, or needles only: nothing to measure areas against.
         degenerate = areas <= 1e-14 * scale**2
         if scale == 0.0 or degenerate.all():
@@ -156,6 +159,7 @@ class Shape:
         return cls(
             points=points,
             areas=areas,
+            first_moments=first,
             second_moments=second,
             frame=frame,
             adjacency=adjacency,
@@ -175,11 +179,6 @@ class Shape:
     def unit_points(self) -> FloatArray:
         """(F, 3) float: the elements in unit coordinates, in which the search works."""
         return self.frame.to_unit(self.points)
-
-    @cached_property
-    def first_moments(self) -> FloatArray:
-        """(F, 3) float: area times centroid of each element, about ``frame.center``."""
-        return self.areas[:, None] * (self.points - self.frame.center)
 
     @cached_property
     def area(self) -> float:
@@ -216,8 +215,11 @@ class Shape:
 
 def _element_moments(
     mesh: PolygonMesh, origin: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Centroid (F, 3), area (F,) and second moments (F, 6) about `origin` of each polygon.
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Centroid (F, 3), area (F,), first (F, 3) and second (F, 6) moments of each polygon.
+
+    Moments are about `origin`, and kept rather than derived from the centroids: those are
+    rounded in the file's coordinates, which may lie far away.
 
     Over a triangle with corners a, b, c and area A, ``int x x^T dA`` is
     ``A/12 (a a^T + b b^T + c c^T + s s^T)`` with ``s = a + b + c``.
@@ -240,7 +242,7 @@ def _element_moments(
     mean = np.add.reduceat(middle, starts, axis=0) / count[:, None]
     with np.errstate(invalid="ignore", divide="ignore"):
         points = np.where(areas[:, None] > 0, first / areas[:, None], mean)
-    return points + origin, areas, np.add.reduceat(second, starts, axis=0)
+    return points + origin, areas, first, np.add.reduceat(second, starts, axis=0)
 
 
 def _notes(

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import ClassVar, Literal
 
 NAME = re.compile(r"[a-z][a-z0-9_]*\Z")
+_SUFFIX = re.compile(r"\.[^A-Z\s/]+\Z")
 TARGET = re.compile(r"[A-Za-z_][\w.]*:[A-Za-z_]\w*\Z")
 
 Kind = Literal[
@@ -135,6 +136,10 @@ class ReaderSpec(Spec):
 
     suffixes: tuple[str, ...]
 
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        _check_suffixes(self.suffixes, self)
+
 
 @dataclass(frozen=True, kw_only=True)
 class WriterSpec(Spec):
@@ -149,3 +154,15 @@ class WriterSpec(Spec):
     kind = "writer"
 
     suffixes: tuple[str, ...]
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        _check_suffixes(self.suffixes, self)
+
+
+def _check_suffixes(suffixes: tuple[str, ...], spec: Spec) -> None:
+    if isinstance(suffixes, str) or not suffixes or not all(map(_SUFFIX.match, suffixes)):
+        raise ValueError(
+            f"suffixes {suffixes!r} of {spec.kind} '{spec.name}' are not a tuple of lower-case"
+            f" suffixes such as '.off'"
+        )

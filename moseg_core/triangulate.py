@@ -80,6 +80,7 @@ def _clip_ears(points: FloatArray) -> IntArray:
     Where no ear is left (the polygon crosses itself) the sharpest remaining corner is cut, so
     that the number of triangles is always k - 2.
     """
+    points = points - points[0]  # far from the origin the sums below would drown in rounding
     following = np.roll(points, -1, axis=0)
     normal = np.cross(points, following).sum(axis=0)
     drop = int(np.argmax(np.abs(normal)))

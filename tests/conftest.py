@@ -14,10 +14,15 @@ from pathlib import Path
 from textwrap import dedent
 
 import pytest
+from hypothesis import settings
 
 from moseg_core.plugins import Registry, discover, registry
 from moseg_core.shape import Shape
 from tests import shapes
+
+# How long an example takes depends on the machine, and on whether kernels are compiled yet.
+settings.register_profile("moseg", deadline=None)
+settings.load_profile("moseg")
 
 
 @pytest.fixture(scope="session")

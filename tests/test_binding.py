@@ -1,3 +1,5 @@
+"""Names to objectives, labels and parameters; each mistake with its place and advice."""
+
 from __future__ import annotations
 
 import sys

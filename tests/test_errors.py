@@ -1,3 +1,5 @@
+"""Messages: carets, suggestions, exit codes."""
+
 from __future__ import annotations
 
 import copy

@@ -177,7 +177,7 @@ def test_a_component_is_made_with_what_is_given_and_chosen(site):
 )
 def test_what_cannot_be_a_component_is_a_plugin_error(site, source):
     with pytest.raises(PluginError) as caught:
-        prepared(site, source.replace("\n", "\n            "))
+        prepared(site, source)
     assert str(caught.value).startswith("seeder 'acme:other' of acme-seeders 1.2 cannot be ")
     assert "\n" not in str(caught.value)
 

@@ -1,3 +1,5 @@
+"""Objectives: what signatures and declarations mean, and contracts that are broken."""
+
 from __future__ import annotations
 
 import math
@@ -337,7 +339,7 @@ def test_a_value_that_is_no_number_in_the_range_is_a_plugin_error(row, value, sh
     assert message.startswith("objective 'python:odd' of the calling program ")
     assert "'odd(a, b, k=3)' for b" in message
     assert shown in message
-    if shown.startswith("returned"):
+    if isinstance(value, float) and math.isfinite(value):
         assert message.endswith("it declares values from 0 to 1")
 
 
@@ -381,7 +383,8 @@ def test_an_objective_that_raises_is_a_plugin_error(row, error):
         problem("a b", "odd(b, a)", odd=odd).evaluate(row, [0, 0, 0, 1, 1, 1])
     message = str(caught.value)
     assert message.startswith("objective 'python:odd' of the calling program failed in ")
-    assert f"'odd(b, a)' for b, a: {type(error).__name__}: {error}" in message
+    assert f"'odd(b, a)' for b, a: {type(error).__name__}" in message
+    assert str(error) in message
     assert caught.value.__cause__ is error
     assert caught.value.exit_code == 1
 

@@ -1,3 +1,5 @@
+"""Parameters: how signatures declare them, and which values are accepted."""
+
 from __future__ import annotations
 
 import functools

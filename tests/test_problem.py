@@ -1,3 +1,5 @@
+"""Problems: labels, sums of terms, empty parts, and shapes that do not do."""
+
 from __future__ import annotations
 
 import itertools

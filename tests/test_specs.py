@@ -34,7 +34,7 @@ def test_names(name):
     ["", "Narrow", "2d", "_x", "a-b", "a b", "a:b", "a.b", "tête", "a\n", "\n", "a*", "٣", "a٣"],
 )
 def test_other_names_are_refused(name):
-    with pytest.raises(ValueError, match="objective name .* is not made of lower-case letters"):
+    with pytest.raises(ValueError, match=r"objective name .* is not made of lower-case letters"):
         ObjectiveSpec(name=name, target="a:b")
 
 

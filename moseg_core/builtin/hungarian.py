@@ -8,9 +8,6 @@ cost, four alike legs, the choice is the same every time.
 
 from __future__ import annotations
 
-import numpy as np
-from scipy.optimize import linear_sum_assignment
-
 from moseg_core.evaluation import Evaluator
 from moseg_core.types import FloatArray, IntArray
 
@@ -20,19 +17,4 @@ class Hungarian:
 
     def __call__(self, evaluator: Evaluator, vector: FloatArray) -> IntArray:
         """(n,) int: entry ``j`` is the centre that label ``j`` goes to."""
-        return optimal_assignment(evaluator.unary_costs(vector))
-
-
-def optimal_assignment(costs: FloatArray) -> IntArray:
-    """(n,) int: for each column of an (n, n) cost matrix its row, of least total cost.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> optimal_assignment(np.array([[9., 1], [2, 9]])).tolist()
-    [1, 0]
-    """
-    rows, columns = linear_sum_assignment(costs)
-    order = np.empty(len(costs), np.int64)
-    order[columns] = rows
-    return order
+        return evaluator.unary_costs(vector).assign()

@@ -144,20 +144,20 @@ class PatternSearch:
                 "step": step,
             }
         )
+        # Where no neighbour is feasible there is nothing to evaluate, only to narrow down.
+        while self._step >= self._threshold and not len(self._neighbors()):
+            self._step *= self._contraction
         if self._step < self._threshold:
             self._finished = "converged"
         elif self._budget is not None and self._evaluations >= self._budget:
             self._finished = "evaluations"
 
     def _neighbors(self) -> FloatArray:
-        """(k, m) float: the feasible ones of the 2m neighbours, k > 0."""
-        while True:
-            steps = np.diag(self._step * self._scale)
-            both = self._current + np.stack([steps, -steps], axis=1).reshape(-1, len(steps))
-            feasible = ((both >= self._lower) & (both <= self._upper)).all(axis=1)
-            if feasible.any():
-                return both[feasible]
-            self._step *= self._contraction
+        """(k, m) float: the feasible ones of the 2m neighbours."""
+        steps = np.diag(self._step * self._scale)
+        both = self._current + np.stack([steps, -steps], axis=1).reshape(-1, len(steps))
+        feasible = ((both >= self._lower) & (both <= self._upper)).all(axis=1)
+        return both[feasible]
 
 
 def _rank(cost: Cost) -> Cost:

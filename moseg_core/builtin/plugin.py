@@ -27,25 +27,45 @@ def moseg_parameterizations() -> list[ParameterizationSpec]:
 
 @hookimpl
 def moseg_seeders() -> list[SeederSpec]:
-    """K-means."""
+    """Evolution, k-means, and the user's own centres."""
     return [
         SeederSpec(
             name="kmeans",
             target="moseg_core.builtin.kmeans:KMeans",
             summary="k-means from furthest points; compact parts of similar size",
-        )
+        ),
+        SeederSpec(
+            name="evolution",
+            target="moseg_core.builtin.evolution:Evolution",
+            summary="evolutionary search over sets of elements, by the whole cost",
+        ),
+        SeederSpec(
+            name="given",
+            target="moseg_core.builtin.given:Given",
+            summary="centres placed by hand: label=x,y,z,label=x,y,z",
+        ),
     ]
 
 
 @hookimpl
 def moseg_labelers() -> list[LabelerSpec]:
-    """The Hungarian algorithm."""
+    """The Hungarian algorithm, greedy and exhaustive assignment."""
     return [
         LabelerSpec(
             name="hungarian",
             target="moseg_core.builtin.hungarian:Hungarian",
             summary="the assignment of labels that is optimal for the unary objectives",
-        )
+        ),
+        LabelerSpec(
+            name="greedy",
+            target="moseg_core.builtin.greedy:Greedy",
+            summary="one label after the other, in an order that may be given",
+        ),
+        LabelerSpec(
+            name="exhaustive",
+            target="moseg_core.builtin.exhaustive:Exhaustive",
+            summary="the best of all assignments under the whole cost; up to 8 labels",
+        ),
     ]
 
 

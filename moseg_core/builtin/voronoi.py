@@ -112,6 +112,10 @@ class Voronoi:
         distance: FloatArray = np.sqrt((apart**2).sum(axis=2)) / rows[:, 3]
         return distance
 
+    def coordinates(self, part: int) -> IntArray:
+        """(4,) int: the places of a centre's position and weight in the vector."""
+        return np.arange(4 * part, 4 * part + 4)
+
     def permute(self, vector: FloatArray, order: IntArray) -> FloatArray:
         """(4n,) float: the vector with its centres in another order."""
         permuted: FloatArray = vector.reshape(-1, 4)[order].reshape(-1)

@@ -84,7 +84,7 @@ def progress_reporter(*, quiet: bool) -> Iterator[Report | None]:
     )
     tasks: dict[str, Any] = {}
 
-    def report(progress: Progress) -> None:
+    def report(progress: Progress) -> bool:
         if progress.stage not in tasks:
             for earlier in tasks.values():  # a new stage: those before it are done
                 bars.update(earlier, total=1.0, completed=1.0)
@@ -102,6 +102,7 @@ def progress_reporter(*, quiet: bool) -> Iterator[Report | None]:
             completed=fraction or 0.0,
             cost=cost,
         )
+        return False
 
     with bars:
         yield report

@@ -8,6 +8,7 @@ from typing import Any
 
 from rich.console import Console
 from rich.table import Table
+from rich.text import Text
 
 from moseg_core.plugins import Bundle, registry
 
@@ -20,12 +21,13 @@ def run_list(*, as_json: bool) -> None:
         return
     out = Console(file=sys.stdout, width=None if sys.stdout.isatty() else 120, highlight=False)
     for bundle in bundles:
-        out.print(f"[bold]{bundle.name}[/]  {bundle.distribution} {bundle.version}")
+        name, rest = Text(bundle.name, "bold"), f"  {bundle.distribution} {bundle.version}"
+        out.print(name.append(rest, "not bold"))
         if bundle.problem:
             out.print(f"  set aside: {bundle.problem}", style="red", markup=False)
         table = Table(box=None, pad_edge=False, show_header=False)
         for component in bundle.components:
-            table.add_row(f"  {component.kind}", component.id, component.spec.summary)
+            table.add_row(f"  {component.kind}", component.id, Text(component.spec.summary))
         if bundle.components:
             out.print(table)
         out.print()

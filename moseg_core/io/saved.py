@@ -106,7 +106,10 @@ def _from_document(document: dict[str, Any]) -> SavedResult:
         names=tuple(document["problem"]["labels"]),
         minimize=document["problem"]["minimize"],
         evaluation=Evaluation(
-            cost=Cost(len(cost["empty"]), cost["value"]), terms=terms, empty=tuple(cost["empty"])
+            cost=Cost(len(cost["empty"]) + cost["broken_pins"], cost["value"]),
+            terms=terms,
+            empty=tuple(cost["empty"]),
+            broken_pins=cost["broken_pins"],
         ),
         centers=Centers(
             positions=np.array([part["center"] for part in parts]),

@@ -69,6 +69,7 @@ def evaluation_document(evaluation: Evaluation) -> dict[str, Any]:
         "cost": {
             "value": evaluation.cost.value,
             "empty": list(evaluation.empty),
+            "broken_pins": evaluation.broken_pins,
         },
         "terms": [
             {

@@ -73,7 +73,7 @@ class _Parser:
         return Expression(tuple(terms), self.text)
 
     def lone_call(self) -> Term:
-        term = self.call(1.0)
+        term = self.call(1.0, what="a name")
         if not self.at_end:
             self.fail("the end")
         if term.arguments:
@@ -100,8 +100,8 @@ class _Parser:
             self.expect("*")
         return self.call(weight)
 
-    def call(self, weight: float) -> Term:
-        first = self.word("the name of an objective")
+    def call(self, weight: float, *, what: str = "the name of an objective") -> Term:
+        first = self.word(what)
         name, stop = first.text, first.stop
         if self.peek.text == ":":
             self.take()

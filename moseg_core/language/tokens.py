@@ -16,7 +16,7 @@ from moseg_core.errors import ExpressionError
 TokenKind = Literal["number", "word", "glob", "symbol", "end"]
 
 _SPACE = re.compile(r"\s*")
-_NUMBER = re.compile(r"(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?(?![\w.])")
+_NUMBER = re.compile(r"(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?(?![\w.])", re.ASCII)
 _WORD = re.compile(r"\w+", re.ASCII)
 _GLOB = re.compile(r"[\w*]+", re.ASCII)
 _RESERVED = re.compile(r"\.\.|[/@{}]")

@@ -1,3 +1,5 @@
+"""Tokens to terms: texts that read back as themselves, and every mistake with its place."""
+
 from __future__ import annotations
 
 import ast

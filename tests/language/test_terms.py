@@ -1,3 +1,5 @@
+"""Terms as text, and what takes part in comparing them."""
+
 from __future__ import annotations
 
 import dataclasses

@@ -1,3 +1,5 @@
+"""Characters to tokens: what is a number, a word, a glob, and what is refused where."""
+
 from __future__ import annotations
 
 import pytest

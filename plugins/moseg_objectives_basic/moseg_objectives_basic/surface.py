@@ -40,7 +40,8 @@ def surface_samples(part: Part) -> tuple[FloatArray, FloatArray]:
     """
     corners = part.vertices[part.triangles]
     edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
-    cuts = np.ceil(edges * _FINENESS / part.box_diagonal).astype(int).clip(min=1)
+    # A side as long as the box's diagonal is common; its number must not hang on rounding.
+    cuts = np.ceil(edges * _FINENESS / part.box_diagonal - 1e-9).astype(int).clip(min=1)
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     areas = np.linalg.norm(normals, axis=1) / 2.0
     points, weights = [], []

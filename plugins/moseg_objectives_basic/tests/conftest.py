@@ -41,14 +41,24 @@ def tube(radius: float, length: float, sections: int, *, caps: bool) -> Mesh:
     k = np.arange(sections)
     after = np.roll(k, -1)
     faces = np.stack([k, after, after + sections, k + sections], axis=1).tolist()
+    middles = np.array([[0, 0, -length / 2], [0, 0, length / 2]])
     if caps:
-        faces += [k[::-1].tolist(), (k + sections).tolist()]
-    return np.concatenate([low, high]), faces
+        faces += np.stack([after, k, 0 * k + 2 * sections], axis=1).tolist()
+        faces += np.stack(
+            [k + sections, after + sections, 0 * k + 2 * sections + 1], axis=1
+        ).tolist()
+    return np.concatenate([low, high, middles]), faces
 
 
-def disc(sections: int) -> Mesh:
+def disc(rings: int, sections: int) -> Mesh:
+    """A flat disc of radius 1 in rings of quads; the innermost quads are pointed."""
     angle = np.arange(sections) * 2 * np.pi / sections
-    return np.c_[np.cos(angle), np.sin(angle), 0 * angle], [list(range(sections))]
+    radius, angle = (np.ravel(x) for x in np.meshgrid(np.arange(rings + 1) / rings, angle))
+    faces = []
+    for k in range(sections):
+        this, that = k * (rings + 1), (k + 1) % sections * (rings + 1)
+        faces += [[this + r, this + r + 1, that + r + 1, that + r] for r in range(rings)]
+    return np.c_[radius * np.cos(angle), radius * np.sin(angle), 0 * angle], faces
 
 
 def ball(rounds: int) -> Mesh:
@@ -173,6 +183,42 @@ class Motion:
         return Labelled(vertices, faces[order], original.labels[order])
 
 
+def squared_distances(points: np.ndarray, corners: np.ndarray) -> np.ndarray:
+    """(k,): squared distance of points to the nearest of (t, 3, 3) triangles, by the book.
+
+    The nearest point of a triangle is the foot of the perpendicular where that lies inside, and
+    on one of the three sides where it does not.
+    """
+    least = np.full(len(points), np.inf)
+    for a, b, c in corners:
+        for start, stop in ((a, b), (b, c), (c, a)):
+            side = stop - start
+            along = np.clip((points - start) @ side / (side @ side), 0.0, 1.0)
+            least = np.minimum(least, ((points - start - along[:, None] * side) ** 2).sum(axis=1))
+        normal = np.cross(b - a, c - a)
+        if not normal.any():
+            continue
+        height = (points - a) @ normal / (normal @ normal)
+        foot = points - height[:, None] * normal
+        inside = np.ones(len(points), bool)
+        for start, stop in ((a, b), (b, c), (c, a)):
+            inside &= np.cross(stop - start, foot - start) @ normal >= 0.0
+        least[inside] = np.minimum(least, ((foot - points) ** 2).sum(axis=1))[inside]
+    return least
+
+
+def dense_samples(corners: np.ndarray, rounds: int) -> tuple[np.ndarray, np.ndarray]:
+    """Points and weights: the middles of the sides after quartering each triangle repeatedly."""
+    for _ in range(rounds):
+        a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
+        ab, bc, ca = (a + b) / 2, (b + c) / 2, (c + a) / 2
+        pieces = [(a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca)]
+        corners = np.concatenate([np.stack(piece, axis=1) for piece in pieces])
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    middles = (corners + np.roll(corners, 1, axis=1)) / 2
+    return middles.reshape(-1, 3), np.repeat(np.linalg.norm(normals, axis=1) / 6.0, 3)
+
+
 @st.composite
 def motions(draw: st.DrawFn) -> Motion:
     """Scales from 1e-4 to 1e4, and up to a thousand diagonals away."""
@@ -203,6 +249,8 @@ def make() -> SimpleNamespace:
         segmented=segmented,
         quartered=quartered,
         punctured=punctured,
+        squared_distances=squared_distances,
+        dense_samples=dense_samples,
         shapes=shapes,
         motions=motions(),
     )

@@ -1,0 +1,209 @@
+"""Evolutionary placement of the centres (Sec. 5.2, Algorithm 3).
+
+An individual is a set of n different elements, the places of its centres; all weights are 1. Its
+labels are the assignment that is optimal for the unary objectives, its fitness the cost of the
+whole problem under these labels: here the lowest wins. A generation is replaced by children, most
+of them by crossover of two parents whose centres are first aligned with each other, the rest by
+mutation of one. Parents win tournaments. The best individual ever seen is returned.
+
+Random numbers are drawn in this order, so that the run can be followed by hand:
+
+- an individual of the first generation: ``choice(F, n, replace=False)``;
+- a tournament: ``choice(population, size, replace=False)``, of equal costs the first drawn wins;
+- a crossover: two tournaments, then ``integers(0, 2, n)`` for the bits, then a new element,
+  ``integers(F)`` until it is not in the child, for each centre that the child would have twice;
+- a mutation: a tournament, ``integers(n)`` for the place, ``integers(F)`` until it is a new one.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import numpy as np
+from scipy.spatial.distance import cdist
+
+from moseg_core.cost import Cost
+from moseg_core.evaluation import Evaluator
+from moseg_core.parameters import Interval
+from moseg_core.protocols import Centers, Progress, Report, Seeding
+from moseg_core.types import FloatArray, IntArray
+from moseg_core.unary import optimal_assignment
+
+
+class Evolution:
+    """An evolutionary algorithm over sets of elements.
+
+    Parameters
+    ----------
+    population : int
+    iterations : int
+        Generations, the first one included.
+    crossover : float
+        Share of a generation that comes from crossover.
+    tournament : int
+        How many individuals meet in a tournament.
+    """
+
+    def __init__(
+        self,
+        *,
+        population: Annotated[int, Interval(2)] = 50,
+        iterations: Annotated[int, Interval(1)] = 20,
+        crossover: Annotated[float, Interval(0, 1)] = 0.8,
+        tournament: Annotated[int, Interval(1)] = 4,
+    ) -> None:
+        self.population = population
+        self.iterations = iterations
+        self.crossover = crossover
+        self.tournament = min(tournament, population)
+
+    def __call__(
+        self, evaluator: Evaluator, *, rng: np.random.Generator, report: Report
+    ) -> Seeding:
+        """Evolve, and return the best individual ever seen, centre by label."""
+        points = evaluator.shape.unit_points
+        n = len(evaluator.problem.labels)
+        people = [rng.choice(len(points), n, replace=False) for _ in range(self.population)]
+        known: dict[bytes, tuple[Cost, IntArray]] = {}
+        history: list[dict[str, float]] = []
+        best: tuple[Cost, IntArray] | None = None
+        for generation in range(1, self.iterations + 1):
+            costs = self._evaluate(people, evaluator, known)
+            for person, cost in zip(people, costs, strict=True):
+                if best is None or cost < best[0]:
+                    best = cost, known[_key(person)][1]
+            assert best is not None  # a population is never empty
+            history.append(_record(generation, len(known), costs, best[0]))
+            stop = report(
+                Progress(
+                    stage="evolution",
+                    done=len(known),
+                    best=best[0],
+                    fraction=generation / self.iterations,
+                )
+            )
+            if stop or generation == self.iterations:
+                break
+            people = self._next(people, costs, points, rng)
+        assert best is not None  # at least one generation
+        return Seeding(
+            centers=evaluator.shape.points[best[1]], history=tuple(history), labelled=True
+        )
+
+    def _evaluate(
+        self,
+        people: list[IntArray],
+        evaluator: Evaluator,
+        known: dict[bytes, tuple[Cost, IntArray]],
+    ) -> list[Cost]:
+        """Costs of a generation; sets of elements seen before are not evaluated again."""
+        fresh = {key: np.sort(p) for p in people if (key := _key(p)) not in known}
+        if fresh:
+            sets = list(fresh.values())
+            shape, partition = evaluator.shape, evaluator.parameterization
+            vectors = np.stack(
+                [
+                    partition.encode(Centers(positions=shape.points[s], weights=np.ones(len(s))))
+                    for s in sets
+                ]
+            )
+            for key, s, (order, cost) in zip(
+                fresh, sets, evaluator.labelled_costs(vectors), strict=True
+            ):
+                known[key] = cost, s[order]
+        return [known[_key(person)][0] for person in people]
+
+    def _next(
+        self,
+        people: list[IntArray],
+        costs: list[Cost],
+        points: FloatArray,
+        rng: np.random.Generator,
+    ) -> list[IntArray]:
+        """The next generation: children by crossover first, then mutants."""
+
+        def winner() -> IntArray:
+            drawn: list[int] = rng.choice(len(people), self.tournament, replace=False).tolist()
+            return people[min(drawn, key=lambda k: costs[k])]
+
+        # Algorithm 3 counts i from 1 and crosses over while i <= fraction * size.
+        crossed = int(np.floor(self.crossover * self.population + 1e-9))
+        children = [cross(winner(), winner(), points, rng) for _ in range(crossed)]
+        while len(children) < self.population:
+            children.append(mutate(winner(), len(points), rng))
+        return children
+
+
+def cross(
+    first: IntArray, second: IntArray, points: FloatArray, rng: np.random.Generator
+) -> IntArray:
+    """A child that has each centre from either parent, after aligning them.
+
+    Parameters
+    ----------
+    first, second : (n,) int
+        Elements of the parents.
+    points : (F, 3) float
+    rng : numpy.random.Generator
+
+    Returns
+    -------
+    (n,) int
+        n different elements.
+    """
+    apart = cdist(points[first], points[second], "sqeuclidean")
+    # Rows are the second parent's centres: for each of the first parent's, its counterpart.
+    aligned = second[optimal_assignment(apart.T)]
+    bits = rng.integers(0, 2, len(first))
+    child = np.where(bits == 0, first, aligned)
+    for k in range(1, len(child)):
+        if child[k] in child[:k]:
+            child[k] = _new_element(child, len(points), rng)
+    return child
+
+
+def mutate(person: IntArray, n_elements: int, rng: np.random.Generator) -> IntArray:
+    """The individual with one of its elements replaced by a random new one.
+
+    Parameters
+    ----------
+    person : (n,) int
+    n_elements : int
+    rng : numpy.random.Generator
+
+    Returns
+    -------
+    (n,) int
+        n different elements; unchanged where there is no other element.
+    """
+    mutant = person.copy()
+    place = rng.integers(len(person))
+    if len(person) < n_elements:
+        mutant[place] = _new_element(person, n_elements, rng)
+    return mutant
+
+
+def _new_element(person: IntArray, n_elements: int, rng: np.random.Generator) -> int:
+    while True:
+        element = int(rng.integers(n_elements))
+        if element not in person:
+            return element
+
+
+def _key(person: IntArray) -> bytes:
+    """The same for the same set of elements, whatever their order."""
+    return np.sort(person).tobytes()
+
+
+def _record(generation: int, evaluations: int, costs: list[Cost], best: Cost) -> dict[str, float]:
+    """A line of the history; the mean is over the individuals without empty parts."""
+    whole = [cost.value for cost in costs if cost.empty == 0]
+    record: dict[str, float] = {
+        "generation": generation,
+        "evaluations": evaluations,
+        "best": best.value,
+        "empty": best.empty,
+    }
+    if whole:
+        record["mean"] = float(np.mean(whole))
+    return record

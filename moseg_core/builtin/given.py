@@ -1,0 +1,81 @@
+"""Centres placed by hand (Sec. 5.2: where "automation is still desired" it can start from them).
+
+Written ``handle=x,y,z,head=x,y,z``, in model units; every label has a centre, so no labels are
+assigned afterwards.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from moseg_core.errors import UsageError, unknown
+from moseg_core.evaluation import Evaluator
+from moseg_core.protocols import Report, Seeding
+from moseg_core.types import FloatArray
+
+
+class Given:
+    """The user's own centres.
+
+    Parameters
+    ----------
+    centers : str
+        ``label=x,y,z`` for every label, separated by commas.
+    """
+
+    def __init__(self, *, centers: str) -> None:
+        self.centers = centers
+
+    def __call__(
+        self, evaluator: Evaluator, *, rng: np.random.Generator, report: Report
+    ) -> Seeding:
+        """The centres in the order of the problem's labels.
+
+        Raises
+        ------
+        UsageError
+            Malformed, an unknown label, or a label without a centre.
+        """
+        return Seeding(centers=parse_centers(self.centers, evaluator.problem.labels), labelled=True)
+
+
+def parse_centers(text: str, labels: tuple[str, ...]) -> FloatArray:
+    """(n, 3) float: a centre for each label.
+
+    Raises
+    ------
+    UsageError
+        See :class:`Given`.
+
+    Examples
+    --------
+    >>> parse_centers("b=1,0,0, a=0,0,2.5", ("a", "b")).tolist()
+    [[0.0, 0.0, 2.5], [1.0, 0.0, 0.0]]
+    """
+    found: dict[str, list[float]] = {}
+    name = ""
+    for piece in text.split(","):
+        key, equals, number = piece.rpartition("=")
+        if equals:
+            name = key.strip()
+            if name not in labels:
+                raise UsageError(f"centers: {unknown('label', name, labels)}")
+            if name in found:
+                raise UsageError(f"centers: label '{name}' is given twice")
+            found[name] = []
+        try:
+            value = float(number)
+        except ValueError:
+            value = math.nan
+        if not name or not math.isfinite(value):
+            raise UsageError(
+                f"centers: '{piece.strip()}' is not understood; write label=x,y,z,label=x,y,z"
+            )
+        found[name].append(value)
+    for label in labels:
+        if len(found.get(label, [])) != 3:
+            given = f"{len(found[label])} numbers" if label in found else "none"
+            raise UsageError(f"centers: label '{label}' needs three coordinates, and has {given}")
+    return np.array([found[label] for label in labels])

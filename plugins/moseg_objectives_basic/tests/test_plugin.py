@@ -1,0 +1,114 @@
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from collections import Counter
+
+import moseg_objectives_basic.convexity as convexity
+import moseg_objectives_basic.surface as surface
+import numpy as np
+import pytest
+from moseg_objectives_basic import plugin
+
+from moseg_core import Problem, Shape, registry
+from moseg_core.protocols import Objective
+
+SECTION_10 = {
+    "narrow": "unary",
+    "flat": "unary",
+    "compact": "unary",
+    "planar_symmetric": "unary",
+    "ellipsoidal": "unary",
+    "perpendicular": "nary",
+    "similar_proportions": "nary",
+    "convex_parts": "global",
+}
+
+
+def test_nothing_heavy_is_imported():
+    code = (
+        "import sys, json, moseg_objectives_basic.plugin as p;"
+        "p.moseg_objectives(), p.moseg_measures(), p.moseg_recipes();"
+        "print(json.dumps(sorted(sys.modules)))"
+    )
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    loaded = {name.partition(".")[0] for name in json.loads(run.stdout)}
+    assert "moseg_objectives_basic" in loaded
+    heavy = {"numpy", "scipy", "igl", "manifold3d", "numba", "trimesh", "PIL"}
+    assert not loaded & heavy
+
+
+def test_bundle_is_found_whole():
+    bundle = next(b for b in registry().bundles if b.name == "basic")
+    assert bundle.problem is None
+    offered = plugin.moseg_objectives() + plugin.moseg_measures() + plugin.moseg_recipes()
+    assert {c.spec for c in bundle.components} == set(offered)
+    for component in bundle.components:
+        assert component.load() is not None
+        assert component.spec.summary
+
+
+def test_objectives_are_those_of_section_10():
+    found = {}
+    for spec in plugin.moseg_objectives():
+        target = registry().find("objective", f"basic:{spec.name}").load()
+        assert isinstance(target, Objective)
+        assert target.__name__ == spec.name
+        assert target.parameters == ()
+        low, high = target.traits.range
+        assert low == 0 < high
+        everything = {"rigid", "scale", "reflection", "order", "tessellation"}
+        assert target.traits.invariant_to == everything
+        found[spec.name] = target.traits.arity
+    assert found == SECTION_10
+
+
+def test_only_convex_parts_needs_a_volume():
+    needs = {
+        spec.name: registry().find("objective", f"basic:{spec.name}").load().traits.requires
+        for spec in plugin.moseg_objectives()
+    }
+    assert {name for name, what in needs.items() if what} == {"convex_parts"}
+    assert needs["convex_parts"] == {"volume"}
+
+
+@pytest.fixture
+def calls(monkeypatch):
+    """How often each measure is computed for each part."""
+    counts = Counter()
+
+    def count(module, name):
+        original = getattr(module, name)
+
+        def counted(part):
+            counts[name, part.index] += 1
+            return original(part)
+
+        monkeypatch.setattr(module, name, counted)
+
+    count(surface, "surface_samples")
+    count(surface, "surface_tree")
+    count(convexity, "hull_volume")
+    return counts
+
+
+def test_measures_are_shared(make, calls):
+    vertices, faces = make.ball(2)
+    shape = Shape.from_mesh(vertices * [3, 2, 1], faces)
+    labels = (shape.points[:, 0] > 0.4).astype(int)
+    expression = (
+        "planar_symmetric(a, b) + ellipsoidal(a, b) + 2*planar_symmetric(a) + ellipsoidal(b)"
+        " + convex_parts + 3*convex_parts"
+    )
+    found = Problem(["a", "b"], expression).evaluate(shape, labels)
+    assert np.isfinite(found.cost.value)
+    names = ("surface_samples", "surface_tree", "hull_volume")
+    assert calls == {(name, k): 1 for name in names for k in (0, 1)}
+
+
+def test_cheap_objectives_measure_no_surface(make, calls):
+    shape = Shape.from_mesh(*make.box(3, 2, 1))
+    problem = Problem(["a", "b"], "narrow(a, b) + flat(a) + compact(b) + perpendicular(a, b)")
+    problem.evaluate(shape, [0, 0, 0, 1, 1, 1])
+    assert not calls

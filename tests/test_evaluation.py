@@ -1,0 +1,427 @@
+"""The evaluator: whatever it leaves out, the winner and its cost are those of exact evaluation."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import sys
+import types
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from moseg_core.aggregate import evaluate_segmentation
+from moseg_core.builtin.voronoi import Voronoi
+from moseg_core.cost import Cost
+from moseg_core.errors import ShapeError
+from moseg_core.evaluation import Evaluator
+from moseg_core.memo import Memo
+from moseg_core.objectives import FunctionObjective, Traits, objective
+from moseg_core.part import Part
+from moseg_core.plugins import Bundle, Component, Registry
+from moseg_core.problem import Problem
+from moseg_core.protocols import Batch, Centers
+from moseg_core.segmentation import Segmentation
+from moseg_core.shape import Shape
+from moseg_core.specs import MeasureSpec, ObjectiveSpec
+from tests import shapes
+from tests.references import Listed, least_assignment_cost
+
+STRIP = Shape.from_mesh(*shapes.strip(8))
+INF = math.inf
+RANGES = [(0.0, 1.0), (-1.0, 2.0), (0.0, INF), (-INF, 0.5), (-INF, INF), (-3.0, -1.0)]
+
+
+def number_of(parts, levels):
+    """A number from 0 to levels - 1 that depends on which elements the parts have."""
+    return sum((k + 1) * part.membership[0] for k, part in enumerate(parts)) % 2**64 % levels
+
+
+def made(arity, range_, cost, *, levels=5, calls=None):
+    """An objective of arbitrary values in its range, few of them, so that costs tie."""
+    low, high = range_
+
+    def arbitrary(subject):
+        parts = {"unary": lambda: [subject], "nary": lambda: subject}.get(
+            arity, lambda: subject.parts
+        )()
+        assert all(part.area > 0 and part.scales[0] > 0 for part in parts)
+        if calls is not None:
+            calls.append(tuple(part.membership for part in parts))
+        share = number_of(parts, levels) / (levels - 1)
+        if math.isfinite(low) and math.isfinite(high):
+            return low + share * (high - low)
+        if math.isfinite(low):
+            return low + 100 * share
+        return (high if math.isfinite(high) else 50.0) - 100 * share
+
+    return FunctionObjective(arbitrary, Traits(arity=arity, range=range_, cost=cost))
+
+
+def evaluator_of(problem, labellings, *, memo=None):
+    return Evaluator(STRIP, problem, Listed(np.array(labellings), len(problem.labels)), memo=memo)
+
+
+def numbers(count):
+    return np.arange(count, dtype=np.float64)[:, None]
+
+
+def exact_costs(problem, labellings):
+    """Every term of every candidate, one at a time, nothing remembered."""
+    return [
+        evaluate_segmentation(
+            problem.terms,
+            problem.labels,
+            Segmentation.from_labels(STRIP, labels, len(problem.labels), memo=Memo(size=0)),
+        ).cost
+        for labels in labellings
+    ]
+
+
+@st.composite
+def problems(draw):
+    """A problem of 1 to 3 labels with terms of all kinds, and a batch of labellings for it."""
+    n = draw(st.integers(1, 3))
+    names = ["a", "b", "c"][:n]
+    objectives, terms = {}, []
+    for k in range(draw(st.integers(1, 5))):
+        arity = draw(st.sampled_from(["unary", "nary", "global"]))
+        name = f"f{k}"
+        objectives[name] = made(
+            arity,
+            draw(st.sampled_from(RANGES)),
+            draw(st.sampled_from(["cheap", "moderate", "expensive"])),
+            levels=draw(st.sampled_from([2, 3, 1000])),
+        )
+        weight = draw(st.sampled_from(["- 3", "- 0.3", "+ 1", "+ 0.1", "+ 10"]))
+        count = 0 if arity == "global" else draw(st.integers(2 if arity == "nary" else 1, 3))
+        chosen = draw(st.permutations(names))[:count]
+        if arity == "nary" and len(chosen) < 2:
+            continue
+        terms.append(f"{weight}*{name}({', '.join(chosen)})")
+    if not terms:
+        terms = ["f"]
+        objectives["f"] = made("global", (0.0, 1.0), "cheap")
+    rng = np.random.default_rng(draw(st.integers(0, 2**32)))
+    # Few distinct segments, so that candidates share parts, repeat, and lack some parts.
+    labellings = rng.integers(
+        0, n, (draw(st.integers(1, 10)), 8 // draw(st.sampled_from([1, 2, 4])))
+    )
+    labellings = np.repeat(labellings, 8 // labellings.shape[1], axis=1)
+    return Problem(names, "".join(terms), objectives=objectives), labellings
+
+
+@given(problems())
+@settings(max_examples=100, deadline=None)
+def test_without_promises_every_cost_is_exact(case):
+    problem, labellings = case
+    evaluator = evaluator_of(problem, labellings)
+    expected = exact_costs(problem, labellings)
+    for _ in range(2):  # anew, then from memory
+        assert evaluator.costs(Batch(vectors=numbers(len(labellings)))) == expected
+    assert evaluator.evaluations == 2 * len(labellings)
+    for k, cost in enumerate(expected):
+        assert evaluator.evaluate(numbers(k + 1)[k]).cost == cost
+
+
+@given(problems(), st.integers(0, 9), st.sampled_from([0.0, 1e-9, -1e-9, 0.5]), st.booleans())
+@settings(max_examples=150, deadline=None)
+def test_a_cutoff_leaves_what_is_below_it_exact(case, which, more, remember):
+    problem, labellings = case
+    expected = exact_costs(problem, labellings)
+    at = expected[which % len(expected)]
+    cutoff = Cost(at.empty, at.value + more)
+    evaluator = evaluator_of(problem, labellings, memo=None if remember else Memo(size=0))
+    found = evaluator.costs(Batch(vectors=numbers(len(labellings)), cutoff=cutoff))
+    for cost, true in zip(found, expected, strict=True):
+        assert cost <= true
+        assert cost == true if true < cutoff else cost >= cutoff
+
+
+@given(problems(), st.booleans())
+@settings(max_examples=300, deadline=None)
+def test_the_best_of_a_batch_is_that_of_exact_evaluation(case, remember):
+    problem, labellings = case
+    expected = exact_costs(problem, labellings)
+    evaluator = evaluator_of(problem, labellings, memo=None if remember else Memo(size=0))
+    found = evaluator.costs(Batch(vectors=numbers(len(labellings)), best_only=True))
+    winner = min(range(len(expected)), key=lambda k: (expected[k], k))
+    assert min(range(len(found)), key=lambda k: (found[k], k)) == winner
+    assert found[winner] == expected[winner]
+    for cost, true in zip(found, expected, strict=True):
+        assert expected[winner] <= cost <= true
+
+
+@given(problems(), st.integers(0, 9), st.sampled_from([0.0, 1e-9, -1e-9, 0.5]), st.integers(-1, 1))
+@settings(max_examples=300, deadline=None)
+def test_the_best_of_a_batch_below_a_cutoff_is_that_of_exact_evaluation(case, which, more, fewer):
+    problem, labellings = case
+    expected = exact_costs(problem, labellings)
+    at = expected[which % len(expected)]
+    cutoff = Cost(at.empty + fewer, at.value + more)
+    batch = Batch(vectors=numbers(len(labellings)), cutoff=cutoff, best_only=True)
+    found = evaluator_of(problem, labellings).costs(batch)
+    winner = min(range(len(expected)), key=lambda k: (expected[k], k))
+    assert all(cost <= true for cost, true in zip(found, expected, strict=True))
+    if expected[winner] < cutoff:
+        assert min(range(len(found)), key=lambda k: (found[k], k)) == winner
+        assert found[winner] == expected[winner]
+    else:
+        assert min(found) >= cutoff
+
+
+# --- what is left out ----------------------------------------------------------------------------
+
+# Two parts, the first of 1 to 7 squares; the cheap term prefers the first to be small.
+GROWING = [[0] * k + [1] * (8 - k) for k in range(1, 8)]
+
+
+@objective(range=(0, math.inf))
+def area(part: Part) -> float:
+    return part.area
+
+
+def counted(low, high, value, cost="expensive"):
+    calls = []
+
+    def slow(part):
+        calls.append(part.n_elements)
+        return value(part)
+
+    return FunctionObjective(slow, Traits(arity="unary", range=(low, high), cost=cost)), calls
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_an_expensive_term_is_skipped_where_it_cannot_matter(order):
+    slow, calls = counted(0, 1, lambda part: 1.0)
+    problem = Problem(["a", "b"], "slow(a) + 2*area(a)", objectives={"slow": slow, "area": area})
+    evaluator = evaluator_of(problem, GROWING[::order])
+    found = evaluator.costs(Batch(vectors=numbers(7), best_only=True))[::order]
+    assert calls == [1]
+    assert found == [Cost(0, 3.0), *(Cost(0, 2.0 * k) for k in range(2, 8))]
+
+
+def test_with_a_negative_weight_the_upper_end_of_the_range_is_what_counts():
+    slow, calls = counted(0, 3, lambda part: 0.0)
+    problem = Problem(["a", "b"], "2*area(a) - slow(a)", objectives={"slow": slow, "area": area})
+    found = evaluator_of(problem, GROWING).costs(Batch(vectors=numbers(7), best_only=True))
+    # 2 for the first; the second could come to 4 - 3, the third cannot come below 3.
+    assert calls == [1, 2]
+    assert found == [Cost(0, 2.0), Cost(0, 4.0), *(Cost(0, 2.0 * k - 3) for k in range(3, 8))]
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "text"), [(-INF, 1, "area(a) + slow(a)"), (0, INF, "area(a) - slow(a)")]
+)
+def test_nothing_is_skipped_where_the_range_is_unlimited(low, high, text):
+    slow, calls = counted(low, high, lambda part: 0.5)
+    problem = Problem(["a", "b"], text, objectives={"slow": slow, "area": area})
+    evaluator_of(problem, GROWING).costs(Batch(vectors=numbers(7), best_only=True))
+    assert sorted(calls) == [1, 2, 3, 4, 5, 6, 7]
+
+
+def test_a_cutoff_skips_what_cannot_be_below_it():
+    slow, calls = counted(0, 1, lambda part: 0.25)
+    problem = Problem(["a", "b"], "area(a) + slow(a)", objectives={"slow": slow, "area": area})
+    batch = Batch(vectors=numbers(7), cutoff=Cost(0, 3.0))
+    found = evaluator_of(problem, GROWING).costs(batch)
+    assert calls == [1, 2]
+    assert found == [Cost(0, value) for value in (1.25, 2.25, 3, 4, 5, 6, 7)]
+
+
+def test_moderate_terms_come_before_expensive_ones():
+    slow, slow_calls = counted(0, 1, lambda part: 0.0)
+    fair, fair_calls = counted(0, 9, lambda part: part.area, cost="moderate")
+    cheap, cheap_calls = counted(0, 1, lambda part: 1.0, cost="cheap")
+    problem = Problem(
+        ["a", "b"],
+        "slow(a) + fair(a) + cheap(a)",
+        objectives={"slow": slow, "fair": fair, "cheap": cheap},
+    )
+    evaluator_of(problem, GROWING).costs(Batch(vectors=numbers(7), best_only=True))
+    assert cheap_calls == [1, 2, 3, 4, 5, 6, 7]
+    # All cheap terms are equal, so the candidates are taken in order; the first is the best.
+    assert fair_calls == [1, 2, 3, 4, 5, 6, 7]
+    assert slow_calls == [1]
+
+
+def test_candidates_with_more_empty_parts_are_not_evaluated():
+    slow, calls = counted(0, 1, lambda part: 0.5, cost="cheap")
+    problem = Problem(["a", "b", "c"], "slow(a, b, c)", objectives={"slow": slow})
+    labellings = [[0] * 8, [0, 1] * 4, [0] * 4 + [1] * 3 + [2], [2] * 8]
+    batch = Batch(vectors=numbers(4), best_only=True)
+    found = evaluator_of(problem, labellings, memo=Memo(size=0)).costs(batch)
+    assert [cost.empty for cost in found] == [2, 1, 0, 2]
+    assert found[2] == Cost(0, 1.5)
+    assert calls == [4, 3, 1]
+
+
+@pytest.mark.parametrize("best_only", [False, True])
+def test_equal_labellings_in_a_batch_are_evaluated_once(best_only):
+    slow, calls = counted(0, 1, lambda part: 0.5, cost="cheap")
+    problem = Problem(["a", "b"], "slow(a)", objectives={"slow": slow})
+    evaluator = evaluator_of(problem, GROWING, memo=Memo(size=0))
+    vectors = np.array([[3.0], [0], [3], [3], [0]])
+    found = evaluator.costs(Batch(vectors=vectors, best_only=best_only))
+    assert found == [Cost(0, 0.5)] * 5
+    assert sorted(calls) == [1, 4]
+    assert evaluator.evaluations == 5
+
+
+def test_a_batch_of_nothing():
+    problem = Problem(["a", "b"], "area(a)", objectives={"area": area})
+    for best_only in (False, True):
+        batch = Batch(vectors=np.empty((0, 1)), best_only=best_only)
+        assert evaluator_of(problem, GROWING).costs(batch) == []
+
+
+def test_parts_seen_before_are_remembered_between_batches():
+    slow, calls = counted(0, 1, lambda part: 0.5)
+    problem = Problem(["a", "b"], "slow(a, b)", objectives={"slow": slow})
+    evaluator = evaluator_of(problem, GROWING)
+    for _ in range(3):
+        evaluator.costs(Batch(vectors=numbers(2)))
+    assert sorted(calls) == [1, 2, 6, 7]
+
+
+# --- labels --------------------------------------------------------------------------------------
+
+
+def permutations(n):
+    return [np.array(order) for order in itertools.permutations(range(n))]
+
+
+@given(problems())
+@settings(max_examples=100, deadline=None)
+def test_the_cost_matrix_gives_every_part_every_label(case):
+    problem, labellings = case
+    n = len(problem.labels)
+    costs = evaluator_of(problem, labellings).unary_costs(numbers(1)[0])
+    segmentation = Segmentation.from_labels(STRIP, labellings[0], n)
+    empty = segmentation.summary.empty(STRIP)
+    expected = np.zeros((n, n))
+    for i, j in itertools.product(range(n), range(n)):
+        for term in problem.terms:
+            if term.objective.traits.arity == "unary" and (j,) in term.calls and not empty[i]:
+                expected[i, j] += term.weight * term.objective(segmentation.parts[i])
+    assert (costs.lower <= expected + 1e-12).all()
+    assert costs.lower[costs.known] == pytest.approx(expected[costs.known], abs=1e-12)
+    assert np.isfinite(costs.lower).all()
+
+    order = costs.assign()
+    assert sorted(order.tolist()) == list(range(n))
+    found = math.fsum(expected[order[j], j] for j in range(n))
+    assert found == pytest.approx(least_assignment_cost(expected.tolist()), abs=1e-9)
+    assert costs.all() == pytest.approx(expected, abs=1e-12)
+    assert costs.known.all()
+
+
+def test_the_cost_matrix_is_not_spoilt_by_other_terms():
+    problem = Problem(
+        ["a", "b"],
+        "area(a) - 2*area(b) + 3*area(a) + pair(a, b)",
+        objectives={"area": area, "pair": made("nary", (0.0, 1.0), "cheap")},
+    )
+    found = evaluator_of(problem, GROWING).unary_costs(numbers(3)[2])
+    assert found.all().tolist() == [[12.0, -6.0], [20.0, -10.0]]
+
+
+def test_an_assignment_asks_expensive_objectives_only_where_it_must():
+    slow, calls = counted(0, 1, lambda part: 1.0)
+    problem = Problem(
+        ["a", "b", "c"],
+        "10*area(a) + area(c) + slow(b)",
+        objectives={"slow": slow, "area": area},
+    )
+    evaluator = evaluator_of(problem, [[0, 1, 1, 2, 2, 2, 2, 2]])
+    assert evaluator.unary_costs(np.zeros(1)).assign().tolist() == [0, 2, 1]
+    assert calls == [5]
+
+
+@given(problems())
+@settings(max_examples=60, deadline=None)
+def test_labels_and_costs_of_parts_that_have_none_yet(case):
+    problem, labellings = case
+    n = len(problem.labels)
+    evaluator = evaluator_of(problem, labellings)
+    found = evaluator.labelled_costs(numbers(len(labellings)))
+    assert evaluator.evaluations == len(labellings)
+    for k, (order, cost) in enumerate(found):
+        assert sorted(order.tolist()) == list(range(n))
+        relabelled = [int(np.argmax(order == part)) for part in labellings[k]]
+        assert cost == exact_costs(problem, [relabelled])[0]
+        unary = evaluator.unary_costs(numbers(k + 1)[k]).all()
+        best = least_assignment_cost(unary.tolist())
+        assert sum(unary[order[j], j] for j in range(n)) == pytest.approx(best, abs=1e-9)
+
+
+@given(problems())
+@settings(max_examples=60, deadline=None)
+def test_other_labels_for_the_same_parts(case):
+    problem, labellings = case
+    n = len(problem.labels)
+    evaluator = evaluator_of(problem, labellings)
+    segmentation = evaluator.segmentation(labellings[0])
+    for order in permutations(n):
+        permuted = segmentation.permuted(order)
+        again = Segmentation.from_labels(STRIP, permuted.labels, n)
+        for j in range(n):
+            assert (permuted.labels == j).tolist() == (labellings[0] == order[j]).tolist()
+            assert permuted.parts[j].membership == again.parts[j].membership
+            assert permuted.parts[j].moments.tobytes() == again.parts[j].moments.tobytes()
+            assert permuted.parts[j].elements.tolist() == again.parts[j].elements.tolist()
+        assert (permuted.summary.counts == again.summary.counts).all()
+        expected = exact_costs(problem, [permuted.labels])[0]
+        assert evaluator.order_cost(segmentation, order) == expected
+
+
+# --- shapes and registries -----------------------------------------------------------------------
+
+
+def test_a_shape_that_cannot_be_used_is_refused_before_the_search():
+    problem = Problem(list("abcdefghi"), "area(a)", objectives={"area": area})
+    with pytest.raises(ShapeError, match="8 faces, too few for 9 labels"):
+        Evaluator(STRIP, problem, Voronoi(STRIP, 9))
+
+    @objective(range=(0, 1), requires=("volume",))
+    def needs_volume(part: Part) -> float:
+        return 0.0
+
+    problem = Problem(["a"], "closed(a)", objectives={"closed": needs_volume})
+    with pytest.raises(ShapeError, match=r"'closed' needs an enclosed volume.*18 boundary edges"):
+        Evaluator(STRIP, problem, Voronoi(STRIP, 1))
+
+
+def test_labels_and_parts_of_a_vector():
+    problem = Problem(["a", "b"], "area(a) - area(b)", objectives={"area": area})
+    evaluator = Evaluator(STRIP, problem, Voronoi(STRIP, 2))
+    at = Centers(positions=STRIP.points[[7, 0]], weights=np.array([3.0, 1.0]))
+    vector = evaluator.parameterization.encode(at)
+    labels = evaluator.labels(vector)
+    assert labels.tolist() == [1, 1, 0, 0, 0, 0, 0, 0]
+    assert [part.n_elements for part in evaluator.segmentation(labels).parts] == [6, 2]
+    found = evaluator.evaluate(vector)
+    assert found.cost == Cost(0, 4.0)
+    assert [term.weighted for term in found.terms] == [6.0, -2.0]
+
+
+def test_measures_come_from_the_registry_of_the_problem(monkeypatch):
+    @objective(range=(0, math.inf))
+    def long(part: Part) -> float:
+        return part.measure("length")
+
+    module = types.ModuleType("lengths")
+    module.length, module.long = lambda part: float(np.ptp(part.points[:, 0])), long
+    monkeypatch.setitem(sys.modules, "lengths", module)
+    specs = [
+        MeasureSpec(name="length", target="lengths:length"),
+        ObjectiveSpec(name="long", target="lengths:long"),
+    ]
+    components = tuple(Component("mine", "mine 1.0", spec) for spec in specs)
+    registry = Registry([Bundle("mine", "mine", "1.0", "lengths", components)])
+    problem = Problem(["a", "b"], "long(a)", registry=registry)
+    # In the search, and for a labelling from elsewhere.
+    assert evaluator_of(problem, GROWING).evaluate(np.array([4.0])).cost.value == 4.0
+    assert problem.evaluate(STRIP, GROWING[4]).cost.value == 4.0
