@@ -6,7 +6,8 @@ in a recipe as a table with a ``name``. It is looked up and checked before any s
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -105,15 +106,27 @@ class Ready:
         PluginError
             The constructor does not take what its kind is given, or fails.
         """
-        try:
+        with self.guard("cannot be made"):
             return self.factory(*arguments, **more, **self.parameters)
+
+    @property
+    def who(self) -> str:
+        """The component and where it comes from, for messages."""
+        return f"{self.component.kind} '{self.component.id}' of {self.component.distribution}"
+
+    @contextmanager
+    def guard(self, what: str = "failed") -> Iterator[None]:
+        """Turn whatever the component raises into a PluginError that names it.
+
+        moseg's own errors pass: they say what is wrong with the request or with another component.
+        """
+        try:
+            yield
         except MosegError:
             raise
-        except Exception as error:  # a stranger's constructor may raise anything
-            raise PluginError(
-                f"{self.component.kind} '{self.component.id}' of {self.component.distribution}"
-                f" cannot be made: {type(error).__name__}: {error}"
-            ) from error
+        except Exception as error:  # a stranger's component may raise anything
+            text = " ".join(str(error).split())
+            raise PluginError(f"{self.who} {what}: {type(error).__name__}: {text}") from error
 
 
 def prepare(choice: Choice, kind: Kind, registry: Registry) -> Ready:

@@ -9,6 +9,7 @@ from types import MappingProxyType
 
 from moseg_core.aggregate import Evaluation
 from moseg_core.part import Part
+from moseg_core.plugins import measure_resolver
 from moseg_core.problem import Problem
 from moseg_core.protocols import Centers
 from moseg_core.segmentation import Segmentation
@@ -66,7 +67,12 @@ class Result:
     @cached_property
     def segmentation(self) -> Segmentation:
         """The labelled shape."""
-        return Segmentation.from_labels(self.shape, self.labels, len(self.problem.labels))
+        return Segmentation.from_labels(
+            self.shape,
+            self.labels,
+            len(self.problem.labels),
+            measures=measure_resolver(self.problem.registry),
+        )
 
     @cached_property
     def parts(self) -> Mapping[str, Part]:
@@ -81,7 +87,9 @@ def find_warnings(
 ) -> tuple[str, ...]:
     """What a user should know before trusting a result."""
     found = []
-    if reason != "converged":
+    if reason == "interrupted":
+        found.append("the run was interrupted; this is the best that it had found")
+    elif reason != "converged":
         found.append(f"the search ended on its limit ({reason}); a longer one may find better")
     found += [
         f"part '{name}' is empty; terms about it are left out of the cost"

@@ -17,7 +17,7 @@ from moseg_core.cost import Cost
 from moseg_core.errors import PluginError
 from moseg_core.evaluation import Evaluator
 from moseg_core.method import Ready
-from moseg_core.protocols import Centers, Optimizer, Progress, Report, Seeding
+from moseg_core.protocols import Batch, Centers, Optimizer, Progress, Report, Seeding
 from moseg_core.specs import Kind
 from moseg_core.types import BoolArray, FloatArray, IntArray
 
@@ -87,7 +87,6 @@ def search_once(
     free = np.ones(len(vector), np.bool_)
     for label in frozen:
         free[partition.coordinates(label)] = False
-    stage = ready["optimizer"].component.spec.name
     history = {"seeding": seeding.history if seeding else ()}
     if not free.any():
         cost = evaluator.evaluate(vector).cost
@@ -101,7 +100,9 @@ def search_once(
         partition.scale[free],
         rng=rng,
     )
-    reason = run_search(search, evaluator, deadline, report, stage=stage, base=vector, free=free)
+    reason = run_search(
+        search, evaluator, deadline, report, ready=ready["optimizer"], base=vector, free=free
+    )
     found, cost = search.best
     return Outcome(
         vector=_expand(found[None], vector, free)[0],
@@ -118,7 +119,7 @@ def run_search(
     deadline: float | None,
     report: Report,
     *,
-    stage: str,
+    ready: Ready,
     base: FloatArray,
     free: BoolArray,
 ) -> str:
@@ -131,17 +132,20 @@ def run_search(
     deadline : float or None
         On the clock of :func:`time.monotonic`; looked at after each batch.
     report : callable
-    stage : str
-        What to call the search in reports.
+    ready : Ready
+        The component that the optimizer was made from, to call it by its name.
     base : (m,) float
         Values of the coordinates that are not free.
     free : (m,) bool
         The coordinates that the optimizer sees.
     """
+    stage = ready.component.spec.name
     before = evaluator.evaluations
     while not search.finished:
-        batch = search.ask()
-        search.tell(evaluator.costs(replace(batch, vectors=_expand(batch.vectors, base, free))))
+        batch = _ask(ready, search, int(free.sum()))
+        costs = evaluator.costs(replace(batch, vectors=_expand(batch.vectors, base, free)))
+        with ready.guard():
+            search.tell(costs)
         done = evaluator.evaluations - before
         stop = report(
             Progress(stage=stage, done=done, best=search.best[1], fraction=search.progress)
@@ -161,22 +165,54 @@ def _expand(vectors: FloatArray, base: FloatArray, free: BoolArray) -> FloatArra
 
 
 def _seed(ready: Ready, evaluator: Evaluator, rng: np.random.Generator, report: Report) -> Seeding:
-    seeding: Seeding = ready.make()(evaluator, rng=rng, report=report)
+    """Run the seeder, and check what it returns."""
+    seeder = ready.make()
+    with ready.guard():
+        seeding: Seeding = seeder(evaluator, rng=rng, report=report)
     n = evaluator.parameterization.n_parts
-    if np.shape(seeding.centers) != (n, 3) or not np.isfinite(seeding.centers).all():
-        raise PluginError(
-            f"seeder '{ready.component.id}' of {ready.component.distribution} must return"
-            f" {n} finite centres, not an array of shape {np.shape(seeding.centers)}"
-        )
-    return seeding
+    try:
+        centers = np.asarray(seeding.centers, dtype=np.float64)
+        fits = centers.shape == (n, 3) and bool(np.isfinite(centers).all())
+    except (AttributeError, TypeError, ValueError):
+        fits = False
+    if not fits:
+        raise PluginError(f"{ready.who} must return a Seeding of {n} finite centres")
+    return replace(seeding, centers=centers)
 
 
 def _label(ready: Ready, evaluator: Evaluator, vector: FloatArray) -> IntArray:
-    order: IntArray = np.asarray(ready.make()(evaluator, vector))
+    """Run the labeler, and check what it returns."""
+    labeler = ready.make()
+    with ready.guard():
+        order = labeler(evaluator, vector)
     n = evaluator.parameterization.n_parts
-    if sorted(order.tolist()) != list(range(n)):
+    try:
+        array = np.asarray(order)
+    except ValueError:
+        array = np.empty(0)
+    if (
+        array.shape != (n,)
+        or not np.issubdtype(array.dtype, np.integer)
+        or sorted(array.tolist()) != list(range(n))
+    ):
         raise PluginError(
-            f"labeler '{ready.component.id}' of {ready.component.distribution} must return a"
-            f" permutation of 0 to {n - 1}, not {order.tolist()}"
+            f"{ready.who} must return a permutation of 0 to {n - 1}, not {order!r:.80}"
         )
-    return order
+    return array.astype(np.int64)
+
+
+def _ask(ready: Ready, search: Optimizer, size: int) -> Batch:
+    """Ask the optimizer, and check that it asks for something."""
+    with ready.guard():
+        batch = search.ask()
+    try:
+        vectors = np.asarray(batch.vectors, dtype=np.float64)
+        fits = vectors.ndim == 2 and len(vectors) > 0 and vectors.shape[1] == size
+        fits = fits and bool(np.isfinite(vectors).all())
+    except (AttributeError, TypeError, ValueError):
+        fits = False
+    if not fits:
+        raise PluginError(
+            f"{ready.who} must ask for a Batch of one or more finite vectors of {size} numbers"
+        )
+    return replace(batch, vectors=vectors)

@@ -20,6 +20,7 @@ from moseg_core.evaluation import Evaluator
 from moseg_core.memo import Memo
 from moseg_core.objectives import FunctionObjective, Traits, objective
 from moseg_core.part import Part
+from moseg_core.pins import Pins
 from moseg_core.plugins import Bundle, Component, Registry
 from moseg_core.problem import Problem
 from moseg_core.protocols import Batch, Centers
@@ -60,8 +61,24 @@ def made(arity, range_, cost, *, levels=5, calls=None):
     return FunctionObjective(arbitrary, Traits(arity=arity, range=range_, cost=cost))
 
 
-def evaluator_of(problem, labellings, *, memo=None):
-    return Evaluator(STRIP, problem, Listed(np.array(labellings), len(problem.labels)), memo=memo)
+def evaluator_of(problem, labellings, **options):
+    listed = Listed(np.array(labellings), len(problem.labels))
+    return Evaluator(STRIP, problem, listed, **options)
+
+
+def some_pins(seed, n):
+    """Up to three pinned elements."""
+    rng = np.random.default_rng(seed)
+    elements = rng.choice(8, rng.integers(0, 4), replace=False)
+    return Pins(elements=elements, labels=rng.integers(0, n, len(elements)))
+
+
+def with_pins(costs, labellings, pins):
+    pairs = list(zip(pins.elements.tolist(), pins.labels.tolist(), strict=True))
+    return [
+        Cost(cost.empty + sum(labels[f] != label for f, label in pairs), cost.value)
+        for cost, labels in zip(costs, labellings, strict=True)
+    ]
 
 
 def numbers(count):
@@ -140,12 +157,14 @@ def test_a_cutoff_leaves_what_is_below_it_exact(case, which, more, remember):
         assert cost == true if true < cutoff else cost >= cutoff
 
 
-@given(problems(), st.booleans())
+@given(problems(), st.booleans(), st.integers(0, 99))
 @settings(max_examples=300, deadline=None)
-def test_the_best_of_a_batch_is_that_of_exact_evaluation(case, remember):
+def test_the_best_of_a_batch_is_that_of_exact_evaluation(case, remember, seed):
     problem, labellings = case
-    expected = exact_costs(problem, labellings)
-    evaluator = evaluator_of(problem, labellings, memo=None if remember else Memo(size=0))
+    pins = some_pins(seed, len(problem.labels))
+    expected = with_pins(exact_costs(problem, labellings), labellings, pins)
+    memo = None if remember else Memo(size=0)
+    evaluator = evaluator_of(problem, labellings, pins=pins, memo=memo)
     found = evaluator.costs(Batch(vectors=numbers(len(labellings)), best_only=True))
     winner = min(range(len(expected)), key=lambda k: (expected[k], k))
     assert min(range(len(found)), key=lambda k: (found[k], k)) == winner

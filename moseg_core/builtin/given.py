@@ -12,7 +12,7 @@ import numpy as np
 
 from moseg_core.errors import UsageError, unknown
 from moseg_core.evaluation import Evaluator
-from moseg_core.protocols import Report, Seeding
+from moseg_core.protocols import Centers, Report, Seeding
 from moseg_core.types import FloatArray
 
 
@@ -36,9 +36,20 @@ class Given:
         Raises
         ------
         UsageError
-            Malformed, an unknown label, or a label without a centre.
+            Malformed, an unknown label, a label without a centre, or one whose centre lies where
+            it gets no part.
         """
-        return Seeding(centers=parse_centers(self.centers, evaluator.problem.labels), labelled=True)
+        labels = evaluator.problem.labels
+        centers = parse_centers(self.centers, labels)
+        vector = evaluator.parameterization.encode(
+            Centers(positions=centers, weights=np.ones(len(labels)))
+        )
+        for name in evaluator.evaluate(vector).empty:
+            raise UsageError(
+                f"centers: label '{name}' gets no part of the surface, since other centres are"
+                f" nearer everywhere; move its centre to where the part is"
+            )
+        return Seeding(centers=centers, labelled=True)
 
 
 def parse_centers(text: str, labels: tuple[str, ...]) -> FloatArray:

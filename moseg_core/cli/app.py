@@ -30,6 +30,7 @@ Outputs = Annotated[
         help="File to write, format by suffix: json, seg, ply, glb, png. Repeatable.",
     ),
 ]
+Repeated = Annotated[list[str] | None, Parameter(negative=())]
 Flag = Annotated[bool, Parameter(negative=())]
 
 
@@ -44,6 +45,11 @@ def segment(
     seeder: str | None = None,
     labeler: str | None = None,
     optimizer: str | None = None,
+    centers: str | None = None,
+    start: Path | None = None,
+    pin: Repeated = None,
+    freeze: str | None = None,
+    restarts: int = 1,
     seed: int = 0,
     max_seconds: float | None = None,
     out: Outputs = None,
@@ -75,6 +81,16 @@ def segment(
         How labels are assigned to centres.
     optimizer
         How centres are refined, such as "pattern_search(max_evaluations=2000)".
+    centers
+        Place the centres by hand: label=x,y,z,label=x,y,z; the same as the seeder "given".
+    start
+        Go on from an earlier result (.json), also under another --minimize.
+    pin
+        Elements (faces, counted from 0) that must bear a label: head=120,121. Repeatable.
+    freeze
+        Labels, separated by commas, whose centres stay where they start.
+    restarts
+        Number of starts; the best result is kept. They share limits on evaluations and seconds.
     seed
         Seed of the random generator.
     max_seconds
@@ -92,6 +108,11 @@ def segment(
         labels=labels,
         minimize=minimize,
         choices={"seeder": seeder, "labeler": labeler, "optimizer": optimizer},
+        centers=centers,
+        start=start,
+        pins=pin or [],
+        freeze=freeze,
+        restarts=restarts,
         seed=seed,
         max_seconds=max_seconds,
         outputs=out or [],

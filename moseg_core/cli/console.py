@@ -67,10 +67,10 @@ def terms_table(evaluation: Evaluation) -> Table:
 
 
 @contextmanager
-def progress_reporter(*, quiet: bool) -> Iterator[Report | None]:
-    """A function to report progress to; None off a terminal."""
+def progress_reporter(*, quiet: bool) -> Iterator[Report]:
+    """A function to report progress to, which shows nothing off a terminal."""
     if quiet or not sys.stderr.isatty():
-        yield None
+        yield lambda progress: False
         return
     bars = Bars(
         TextColumn("{task.description}"),

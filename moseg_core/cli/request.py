@@ -1,33 +1,105 @@
-"""From options to a problem: the recipe, and what replaces parts of it."""
+"""From options to a problem: the recipe or an earlier result, and what replaces parts of it."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
 from moseg_core.errors import UsageError
+from moseg_core.io.saved import SavedResult, read_result
 from moseg_core.method import Method
 from moseg_core.problem import Problem
+from moseg_core.protocols import Centers
 from moseg_core.recipe import load_recipe
 
 
 def read_problem(
-    recipe: str | None, labels: str | None, minimize: str | None
+    recipe: str | None,
+    labels: str | None,
+    minimize: str | None,
+    *,
+    start: SavedResult | None = None,
 ) -> tuple[Problem, Method]:
     """The problem and the method that the options ask for.
+
+    Parameters
+    ----------
+    recipe, labels, minimize : str or None
+        As given on the command line.
+    start : SavedResult or None
+        A result to go on from, whose own problem stands in where no recipe is given.
 
     Raises
     ------
     UsageError
-        Neither a recipe nor both labels and expression, or anything wrong in them.
+        Nothing says what the labels or the expression are, or anything is wrong in them.
     """
-    found = load_recipe(recipe) if recipe is not None else None
-    if found is None and (labels is None or minimize is None):
+    method = Method()
+    names: Sequence[str] | None = None
+    expression: str | None = None
+    if recipe is not None:
+        found = load_recipe(recipe)
+        names, expression, method = found.labels, found.minimize, found.method
+    elif start is not None:
+        names, expression = start.names, start.minimize
+    if labels is not None:
+        names = [name.strip() for name in labels.split(",")]
+    if minimize is not None:
+        expression = minimize
+    if names is None or expression is None:
         raise UsageError(
             "say what to look for: --recipe NAME, or --labels a,b and --minimize '...'"
         )
-    names = [name.strip() for name in labels.split(",")] if labels is not None else None
-    if names is None:
-        assert found is not None  # checked above
-        names = list(found.labels)
-    if minimize is None:
-        assert found is not None  # checked above
-        minimize = found.minimize
-    return Problem(names, minimize), found.method if found else Method()
+    return Problem(names, expression), method
+
+
+def read_start(path: Path | None) -> SavedResult | None:
+    """The result to go on from, where one is given."""
+    return None if path is None else read_result(path)
+
+
+def start_centers(start: SavedResult | None, problem: Problem) -> Centers | None:
+    """The centres of an earlier result in the order of the problem's labels.
+
+    Raises
+    ------
+    UsageError
+        The two do not have the same labels.
+    """
+    if start is None:
+        return None
+    if sorted(start.names) != sorted(problem.labels):
+        raise UsageError(
+            f"the result to start from has the labels {', '.join(start.names)}; the problem has"
+            f" {', '.join(problem.labels)}"
+        )
+    order = [start.names.index(name) for name in problem.labels]
+    return Centers(positions=start.centers.positions[order], weights=start.centers.weights[order])
+
+
+def read_pins(words: Sequence[str]) -> dict[str, np.ndarray]:
+    """Pins from words such as ``head=120,121``; several for one label add up.
+
+    Raises
+    ------
+    UsageError
+        A word of another form.
+
+    Examples
+    --------
+    >>> {name: elements.tolist() for name, elements in read_pins(["head=3,5"]).items()}
+    {'head': [3, 5]}
+    """
+    found: dict[str, list[int]] = {}
+    for word in words:
+        name, equals, numbers = word.partition("=")
+        try:
+            elements = [int(number) for number in numbers.split(",")]
+        except ValueError:
+            elements = []
+        if not equals or not elements:
+            raise UsageError(f"'--pin {word}' is not understood; write --pin label=120,121")
+        found.setdefault(name.strip(), []).extend(elements)
+    return {name: np.array(elements) for name, elements in found.items()}

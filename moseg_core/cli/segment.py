@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from rich.table import Table
 
 from moseg_core.cli.console import console, message, print_json, progress_reporter, terms_table
-from moseg_core.cli.request import read_problem
+from moseg_core.cli.interrupt import stop_on_interrupt
+from moseg_core.cli.request import read_pins, read_problem, read_start, start_centers
+from moseg_core.errors import UsageError
 from moseg_core.io.files import check_output, load, save
 from moseg_core.io.writers import evaluation_document
 from moseg_core.method import Choice, Method
@@ -26,6 +28,11 @@ def run_segment(
     labels: str | None,
     minimize: str | None,
     choices: Mapping[str, str | None],
+    centers: str | None,
+    start: Path | None,
+    pins: Sequence[str],
+    freeze: str | None,
+    restarts: int,
     seed: int,
     max_seconds: float | None,
     outputs: list[Path],
@@ -33,9 +40,12 @@ def run_segment(
     quiet: bool,
 ) -> None:
     """Check everything that can be checked, then read, search, write and print."""
-    problem, method = read_problem(recipe, labels, minimize)
-    method = _with_choices(method, choices)
+    earlier = read_start(start)
+    problem, method = read_problem(recipe, labels, minimize, start=earlier)
+    method = _with_choices(method, choices, centers)
     prepare_method(problem, method)
+    begin = start_centers(earlier, problem)
+    pinned = read_pins(pins)
     for output in outputs:
         check_output(output)
 
@@ -44,9 +54,18 @@ def run_segment(
     problem.check(shape)
     for note in shape.notes:
         message(f"{path.name}: {note}", quiet=quiet)
-    with progress_reporter(quiet=quiet) as report:
+    with progress_reporter(quiet=quiet) as show, stop_on_interrupt(wanted=bool(outputs)) as stop:
         result = segment(
-            shape, problem, method=method, seed=seed, max_seconds=max_seconds, report=report
+            shape,
+            problem,
+            method=method,
+            start=begin,
+            freeze=[name.strip() for name in freeze.split(",")] if freeze else [],
+            pins=pinned,
+            restarts=restarts,
+            seed=seed,
+            max_seconds=max_seconds,
+            report=lambda progress: show(progress) or stop(),
         )
     for warning in result.warnings:
         message(f"warning: {warning}", quiet=quiet)
@@ -58,14 +77,23 @@ def run_segment(
         print_json(_summary(result))
     elif not quiet:
         _print_tables(result)
+    if result.reason == "interrupted":
+        raise KeyboardInterrupt
 
 
-def _with_choices(method: Method, choices: Mapping[str, str | None]) -> Method:
+def _with_choices(method: Method, choices: Mapping[str, str | None], centers: str | None) -> Method:
+    """The method with single components replaced."""
     chosen: dict[str, Any] = {
         kind: Choice.read(text, kind)  # type: ignore[arg-type]  # the keys are kinds
         for kind, text in choices.items()
         if text is not None
     }
+    if centers is not None:
+        if chosen.get("seeder", Choice("given")).name not in ("given", "core:given"):
+            raise UsageError(
+                f"--centers goes with the seeder 'given', not '{chosen['seeder'].name}'"
+            )
+        chosen["seeder"] = Choice("given", {"centers": centers})
     rest = {
         kind: getattr(method, kind)
         for kind in ("parameterization", "seeder", "labeler", "optimizer")
