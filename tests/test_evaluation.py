@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 import sys
 import types
@@ -12,58 +11,29 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from moseg_core.aggregate import evaluate_segmentation
 from moseg_core.builtin.voronoi import Voronoi
 from moseg_core.cost import Cost
 from moseg_core.errors import ShapeError
 from moseg_core.evaluation import Evaluator
 from moseg_core.memo import Memo
-from moseg_core.objectives import FunctionObjective, Traits, objective
+from moseg_core.objectives import objective
 from moseg_core.part import Part
 from moseg_core.pins import Pins
 from moseg_core.plugins import Bundle, Component, Registry
 from moseg_core.problem import Problem
 from moseg_core.protocols import Batch, Centers
-from moseg_core.segmentation import Segmentation
-from moseg_core.shape import Shape
 from moseg_core.specs import MeasureSpec, ObjectiveSpec
-from tests import shapes
-from tests.references import Listed, least_assignment_cost
-
-STRIP = Shape.from_mesh(*shapes.strip(8))
-INF = math.inf
-RANGES = [(0.0, 1.0), (-1.0, 2.0), (0.0, INF), (-INF, 0.5), (-INF, INF), (-3.0, -1.0)]
-
-
-def number_of(parts, levels):
-    """A number from 0 to levels - 1 that depends on which elements the parts have."""
-    return sum((k + 1) * part.membership[0] for k, part in enumerate(parts)) % 2**64 % levels
-
-
-def made(arity, range_, cost, *, levels=5, calls=None):
-    """An objective of arbitrary values in its range, few of them, so that costs tie."""
-    low, high = range_
-
-    def arbitrary(subject):
-        parts = {"unary": lambda: [subject], "nary": lambda: subject}.get(
-            arity, lambda: subject.parts
-        )()
-        assert all(part.area > 0 and part.scales[0] > 0 for part in parts)
-        if calls is not None:
-            calls.append(tuple(part.membership for part in parts))
-        share = number_of(parts, levels) / (levels - 1)
-        if math.isfinite(low) and math.isfinite(high):
-            return low + share * (high - low)
-        if math.isfinite(low):
-            return low + 100 * share
-        return (high if math.isfinite(high) else 50.0) - 100 * share
-
-    return FunctionObjective(arbitrary, Traits(arity=arity, range=range_, cost=cost))
-
-
-def evaluator_of(problem, labellings, **options):
-    listed = Listed(np.array(labellings), len(problem.labels))
-    return Evaluator(STRIP, problem, listed, **options)
+from tests.made_up import (
+    GROWING,
+    INF,
+    STRIP,
+    area,
+    counted,
+    evaluator_of,
+    exact_costs,
+    numbers,
+    problems,
+)
 
 
 def some_pins(seed, n):
@@ -79,55 +49,6 @@ def with_pins(costs, labellings, pins):
         Cost(cost.empty + sum(labels[f] != label for f, label in pairs), cost.value)
         for cost, labels in zip(costs, labellings, strict=True)
     ]
-
-
-def numbers(count):
-    return np.arange(count, dtype=np.float64)[:, None]
-
-
-def exact_costs(problem, labellings):
-    """Every term of every candidate, one at a time, nothing remembered."""
-    return [
-        evaluate_segmentation(
-            problem.terms,
-            problem.labels,
-            Segmentation.from_labels(STRIP, labels, len(problem.labels), memo=Memo(size=0)),
-        ).cost
-        for labels in labellings
-    ]
-
-
-@st.composite
-def problems(draw):
-    """A problem of 1 to 3 labels with terms of all kinds, and a batch of labellings for it."""
-    n = draw(st.integers(1, 3))
-    names = ["a", "b", "c"][:n]
-    objectives, terms = {}, []
-    for k in range(draw(st.integers(1, 5))):
-        arity = draw(st.sampled_from(["unary", "nary", "global"]))
-        name = f"f{k}"
-        objectives[name] = made(
-            arity,
-            draw(st.sampled_from(RANGES)),
-            draw(st.sampled_from(["cheap", "moderate", "expensive"])),
-            levels=draw(st.sampled_from([2, 3, 1000])),
-        )
-        weight = draw(st.sampled_from(["- 3", "- 0.3", "+ 1", "+ 0.1", "+ 10"]))
-        count = 0 if arity == "global" else draw(st.integers(2 if arity == "nary" else 1, 3))
-        chosen = draw(st.permutations(names))[:count]
-        if arity == "nary" and len(chosen) < 2:
-            continue
-        terms.append(f"{weight}*{name}({', '.join(chosen)})")
-    if not terms:
-        terms = ["f"]
-        objectives["f"] = made("global", (0.0, 1.0), "cheap")
-    rng = np.random.default_rng(draw(st.integers(0, 2**32)))
-    # Few distinct segments, so that candidates share parts, repeat, and lack some parts.
-    labellings = rng.integers(
-        0, n, (draw(st.integers(1, 10)), 8 // draw(st.sampled_from([1, 2, 4])))
-    )
-    labellings = np.repeat(labellings, 8 // labellings.shape[1], axis=1)
-    return Problem(names, "".join(terms), objectives=objectives), labellings
 
 
 @given(problems())
@@ -193,25 +114,6 @@ def test_the_best_of_a_batch_below_a_cutoff_is_that_of_exact_evaluation(case, wh
 
 # --- what is left out ----------------------------------------------------------------------------
 
-# Two parts, the first of 1 to 7 squares; the cheap term prefers the first to be small.
-GROWING = [[0] * k + [1] * (8 - k) for k in range(1, 8)]
-
-
-@objective(range=(0, math.inf))
-def area(part: Part) -> float:
-    return part.area
-
-
-def counted(low, high, value, cost="expensive"):
-    calls = []
-
-    def slow(part):
-        calls.append(part.n_elements)
-        return value(part)
-
-    return FunctionObjective(slow, Traits(arity="unary", range=(low, high), cost=cost)), calls
-
-
 @pytest.mark.parametrize("order", [1, -1])
 def test_an_expensive_term_is_skipped_where_it_cannot_matter(order):
     slow, calls = counted(0, 1, lambda part: 1.0)
@@ -266,6 +168,22 @@ def test_moderate_terms_come_before_expensive_ones():
     assert slow_calls == [1]
 
 
+def test_an_earlier_candidate_that_could_tie_with_the_best_is_evaluated():
+    # The second, cheaper at first, comes to 1.5; the first starts there, and ends above it.
+    slow, calls = counted(0, 1, lambda part: 0.5)
+    fair, _ = counted(0, 9, lambda part: {2: 1.5, 1: 1.0}[part.n_elements], cost="cheap")
+    problem = Problem(["a", "b"], "fair(a) + slow(a)", objectives={"slow": slow, "fair": fair})
+    listed = [GROWING[1], GROWING[0]]
+    found = evaluator_of(problem, listed).costs(Batch(vectors=numbers(2), best_only=True))
+    assert found == [Cost(0, 2.0), Cost(0, 1.5)]
+    assert calls == [1, 2]
+    # In the other order it cannot win any more, for of equal candidates the first is taken.
+    calls.clear()
+    found = evaluator_of(problem, listed[::-1]).costs(Batch(vectors=numbers(2), best_only=True))
+    assert found == [Cost(0, 1.5), Cost(0, 1.5)]
+    assert calls == [1]
+
+
 def test_candidates_with_more_empty_parts_are_not_evaluated():
     slow, calls = counted(0, 1, lambda part: 0.5, cost="cheap")
     problem = Problem(["a", "b", "c"], "slow(a, b, c)", objectives={"slow": slow})
@@ -303,97 +221,6 @@ def test_parts_seen_before_are_remembered_between_batches():
     for _ in range(3):
         evaluator.costs(Batch(vectors=numbers(2)))
     assert sorted(calls) == [1, 2, 6, 7]
-
-
-# --- labels --------------------------------------------------------------------------------------
-
-
-def permutations(n):
-    return [np.array(order) for order in itertools.permutations(range(n))]
-
-
-@given(problems())
-@settings(max_examples=100, deadline=None)
-def test_the_cost_matrix_gives_every_part_every_label(case):
-    problem, labellings = case
-    n = len(problem.labels)
-    costs = evaluator_of(problem, labellings).unary_costs(numbers(1)[0])
-    segmentation = Segmentation.from_labels(STRIP, labellings[0], n)
-    empty = segmentation.summary.empty(STRIP)
-    expected = np.zeros((n, n))
-    for i, j in itertools.product(range(n), range(n)):
-        for term in problem.terms:
-            if term.objective.traits.arity == "unary" and (j,) in term.calls and not empty[i]:
-                expected[i, j] += term.weight * term.objective(segmentation.parts[i])
-    assert (costs.lower <= expected + 1e-12).all()
-    assert costs.lower[costs.known] == pytest.approx(expected[costs.known], abs=1e-12)
-    assert np.isfinite(costs.lower).all()
-
-    order = costs.assign()
-    assert sorted(order.tolist()) == list(range(n))
-    found = math.fsum(expected[order[j], j] for j in range(n))
-    assert found == pytest.approx(least_assignment_cost(expected.tolist()), abs=1e-9)
-    assert costs.all() == pytest.approx(expected, abs=1e-12)
-    assert costs.known.all()
-
-
-def test_the_cost_matrix_is_not_spoilt_by_other_terms():
-    problem = Problem(
-        ["a", "b"],
-        "area(a) - 2*area(b) + 3*area(a) + pair(a, b)",
-        objectives={"area": area, "pair": made("nary", (0.0, 1.0), "cheap")},
-    )
-    found = evaluator_of(problem, GROWING).unary_costs(numbers(3)[2])
-    assert found.all().tolist() == [[12.0, -6.0], [20.0, -10.0]]
-
-
-def test_an_assignment_asks_expensive_objectives_only_where_it_must():
-    slow, calls = counted(0, 1, lambda part: 1.0)
-    problem = Problem(
-        ["a", "b", "c"],
-        "10*area(a) + area(c) + slow(b)",
-        objectives={"slow": slow, "area": area},
-    )
-    evaluator = evaluator_of(problem, [[0, 1, 1, 2, 2, 2, 2, 2]])
-    assert evaluator.unary_costs(np.zeros(1)).assign().tolist() == [0, 2, 1]
-    assert calls == [5]
-
-
-@given(problems())
-@settings(max_examples=60, deadline=None)
-def test_labels_and_costs_of_parts_that_have_none_yet(case):
-    problem, labellings = case
-    n = len(problem.labels)
-    evaluator = evaluator_of(problem, labellings)
-    found = evaluator.labelled_costs(numbers(len(labellings)))
-    assert evaluator.evaluations == len(labellings)
-    for k, (order, cost) in enumerate(found):
-        assert sorted(order.tolist()) == list(range(n))
-        relabelled = [int(np.argmax(order == part)) for part in labellings[k]]
-        assert cost == exact_costs(problem, [relabelled])[0]
-        unary = evaluator.unary_costs(numbers(k + 1)[k]).all()
-        best = least_assignment_cost(unary.tolist())
-        assert sum(unary[order[j], j] for j in range(n)) == pytest.approx(best, abs=1e-9)
-
-
-@given(problems())
-@settings(max_examples=60, deadline=None)
-def test_other_labels_for_the_same_parts(case):
-    problem, labellings = case
-    n = len(problem.labels)
-    evaluator = evaluator_of(problem, labellings)
-    segmentation = evaluator.segmentation(labellings[0])
-    for order in permutations(n):
-        permuted = segmentation.permuted(order)
-        again = Segmentation.from_labels(STRIP, permuted.labels, n)
-        for j in range(n):
-            assert (permuted.labels == j).tolist() == (labellings[0] == order[j]).tolist()
-            assert permuted.parts[j].membership == again.parts[j].membership
-            assert permuted.parts[j].moments.tobytes() == again.parts[j].moments.tobytes()
-            assert permuted.parts[j].elements.tolist() == again.parts[j].elements.tolist()
-        assert (permuted.summary.counts == again.summary.counts).all()
-        expected = exact_costs(problem, [permuted.labels])[0]
-        assert evaluator.order_cost(segmentation, order) == expected
 
 
 # --- shapes and registries -----------------------------------------------------------------------

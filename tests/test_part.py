@@ -61,6 +61,16 @@ def test_the_surface_of_a_box(sides):
         assert part.box_diagonal == pytest.approx(np.linalg.norm(sides), rel=1e-13)
 
 
+@pytest.mark.parametrize("thickness", [1e-2, 1e-4, 1e-6])
+def test_a_thin_plate_is_not_taken_for_flat(thickness):
+    vertices, faces = shapes.box(3, 2, 1)
+    part = whole((vertices * [1.0, 1.0, thickness], faces))
+    # The two large faces lie thickness / 2 from the middle, the rim is next to nothing.
+    rim = 10 * thickness / (12 + 10 * thickness)
+    expected = thickness**2 * ((1 - rim) / 4 + rim / 12)
+    assert part.scales[2] ** 2 == pytest.approx(expected, rel=1e-2)
+
+
 def test_a_sphere():
     errors = []
     for subdivisions in (1, 2, 3):

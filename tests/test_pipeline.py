@@ -18,7 +18,7 @@ from moseg_core.part import Part
 from moseg_core.pipeline import segment
 from moseg_core.plugins import Bundle, Component, Registry, registry
 from moseg_core.problem import Problem
-from moseg_core.protocols import Batch, Seeding
+from moseg_core.protocols import Batch, Centers, Seeding
 from moseg_core.segmentation import Segmentation
 from moseg_core.shape import Shape
 from moseg_core.specs import LabelerSpec, OptimizerSpec, SeederSpec
@@ -218,207 +218,73 @@ def test_parts_in_several_pieces_are_warned_of():
     assert found.warnings == ("part 'all' is in 2 pieces",)
 
 
-# --- foreign components --------------------------------------------------------------------------
+# --- starts, pins and frozen parts ---------------------------------------------------------------
 
 
-class Foreign:
-    """A bundle in a module of its own, whose components the test fills in."""
-
-    def __init__(self, monkeypatch):
-        self.module = types.ModuleType("foreign_bundle")
-        monkeypatch.setitem(sys.modules, "foreign_bundle", self.module)
-        specs = [
-            kind(name=name, target=f"foreign_bundle:{name}")
-            for name, kind in (
-                ("seed", SeederSpec),
-                ("label", LabelerSpec),
-                ("walk", OptimizerSpec),
-            )
-        ]
-        self.registry = Registry(
-            [
-                *registry().bundles,
-                Bundle(
-                    "foreign",
-                    "moseg-foreign",
-                    "2.0",
-                    "foreign_bundle",
-                    tuple(Component("foreign", "moseg-foreign 2.0", spec) for spec in specs),
-                ),
-            ]
-        )
-
-    def run(self, text="slim(stem) + uneven", **options):
-        return run(problem_of(text, registry=self.registry), **options)
+def test_a_search_goes_on_from_given_centres(result):
+    short = run(optimizer="pattern_search(max_evaluations=30)")
+    first = run(start=short.centers, optimizer="pattern_search(max_evaluations=1)")
+    assert first.history["seeding"] == ()
+    assert (first.labels == short.labels).all()
+    assert first.cost == short.cost
+    more = run(start=short)
+    assert more.history["search"][0]["value"] == short.cost
+    assert more.cost <= short.cost
 
 
-@pytest.fixture
-def foreign(monkeypatch):
-    return Foreign(monkeypatch)
+def test_the_centres_of_a_result_go_to_the_labels_of_the_same_name(result):
+    turned = problem_of(names=("bar", "stem"))
+    found = run(turned, start=result, optimizer="pattern_search(max_evaluations=1)")
+    assert (found.labels == 1 - result.labels).all()
+    assert found.cost == pytest.approx(result.cost)
+    with pytest.raises(UsageError, match="labels stem, bar; the problem has a, b"):
+        run(Problem(["a", "b"], "area(a)", objectives=OBJECTIVES), start=result)
 
 
-def seeder(centers):
-    class Made:
-        def __call__(self, evaluator, *, rng, report):
-            return centers(evaluator) if callable(centers) else centers
-
-    return Made
-
-
-def labeler(order):
-    class Made:
-        def __call__(self, evaluator, vector):
-            return order(evaluator) if callable(order) else order
-
-    return Made
-
-
-def fail(evaluator):
-    raise ValueError("no idea")
+@pytest.mark.parametrize(
+    "start",
+    [
+        Centers(positions=np.zeros((3, 3)), weights=np.ones(3)),
+        Centers(positions=np.zeros((2, 3)), weights=np.ones(3)),
+        Centers(positions=np.eye(3)[:2], weights=np.array([1.0, 0.0])),
+        Centers(positions=np.eye(3)[:2], weights=np.array([1.0, -2.0])),
+        Centers(positions=np.eye(3)[:2], weights=np.array([1.0, np.inf])),
+        Centers(positions=np.eye(3)[:2] * np.nan, weights=np.ones(2)),
+    ],
+    ids=["3 centres", "3 weights", "weight 0", "weight below 0", "weight inf", "nan"],
+)
+def test_a_start_that_cannot_be_used_is_the_fault_of_who_gave_it(start):
+    with pytest.raises(UsageError, match="start"):
+        run(start=start)
 
 
-def at(*numbers):
-    return lambda evaluator: Seeding(centers=evaluator.shape.points[list(numbers)])
+def test_a_frozen_centre_stays_where_it_starts(result):
+    start = run(optimizer="pattern_search(max_evaluations=1)").centers
+    found = run(freeze=["bar"])
+    assert found.centers.positions[1] == pytest.approx(start.positions[1], rel=1e-12)
+    assert found.centers.weights[1] == 1.0
+    assert (found.centers.positions[0] != start.positions[0]).any()
+    still = run(freeze=["bar", "stem"], start=result)
+    assert (still.labels == result.labels).all()
+    assert still.cost == result.cost
+    assert still.reason == "converged"
 
 
-def test_foreign_components_take_part(foreign):
-    class Walk(PatternSearch):
-        pass
-
-    foreign.module.seed, foreign.module.label = seeder(at(3, 40)), labeler(np.array([1, 0]))
-    foreign.module.walk = Walk
-    found = foreign.run(seeder="foreign:seed", labeler="label", optimizer="walk(max_evaluations=1)")
-    assert found.centers.positions == pytest.approx(SHAPE.points[[40, 3]], rel=1e-12)
-    assert found.method["optimizer"] == "foreign:walk(max_evaluations=1)"
-    assert found.versions["foreign:seed"] == "moseg-foreign 2.0"
-
-
-def test_a_warning_of_the_seeder_comes_first(foreign):
-    def warn(evaluator):
-        return Seeding(centers=evaluator.shape.points[[3, 40]], warning="guessed")
-
-    foreign.module.seed = seeder(warn)
-    found = foreign.run("worst(stem)", seeder="seed")
-    assert found.warnings == ("guessed", "python:worst is at its worst value, 1 for stem")
-
-
-def test_empty_parts_are_warned_of_and_left_out(foreign):
-    foreign.module.seed = seeder(at(3, 3))
-    found = foreign.run(
-        "area(stem, bar)", seeder="seed", optimizer="pattern_search(max_evaluations=1)"
+def test_pinned_elements_bear_their_label(result):
+    # Two elements that the free search gives to the stem.
+    pinned = np.flatnonzero(result.labels == 0)[[0, -1]]
+    found = run(pins={"bar": pinned[:1], "stem": pinned[1:]})
+    assert found.labels[pinned].tolist() == [1, 0]
+    assert found.evaluation.broken_pins == 0
+    impossible = run(
+        pins={"bar": [0, 1], "stem": [2]},
+        optimizer="pattern_search(max_evaluations=1)",
+        start=result,
     )
-    assert found.evaluation.cost == Cost(1, pytest.approx(SHAPE.area))
-    assert any("is empty" in warning for warning in found.warnings)
-    # The search moves away from it all by itself.
-    later = foreign.run("area(stem, bar)", seeder="seed")
-    assert later.evaluation.cost.empty == 0
-
-
-@pytest.mark.parametrize(
-    "garbage",
-    [
-        None,
-        "centres",
-        fail,
-        Seeding(centers=np.zeros((3, 3))),
-        Seeding(centers=np.zeros((2, 2))),
-        Seeding(centers=np.full((2, 3), np.nan)),
-        Seeding(centers=np.array([[0.0, 0, 0], [0, 0, np.inf]])),
-        Seeding(centers=None),
-        Seeding(centers=[["a", "b", "c"]] * 2),
-        Seeding(centers=np.full((2, 3), None)),
-        Seeding(centers=[[0.0, 0.0, 0.0], [0.0]]),
-    ],
-    ids=[
-        *["None", "text", "raises", "3 centres", "2 coordinates", "nan", "inf", "no centres"],
-        *["words", "objects", "ragged"],
-    ],
-)
-def test_a_seeder_that_returns_garbage_is_named(foreign, garbage):
-    foreign.module.seed = seeder(garbage)
-    with pytest.raises(PluginError, match=r"seeder 'foreign:seed' of moseg-foreign 2\.0"):
-        foreign.run(seeder="seed")
-
-
-@pytest.mark.parametrize(
-    "garbage",
-    [
-        None,
-        fail,
-        "ab",
-        1,
-        [0, 0],
-        [0, 2],
-        [-1, 0],
-        [0],
-        [0, 1, 2],
-        [[0], [1]],
-        [0.0, 1.0],
-        [False, True],
-        ["a", 0],
-        [[0, 1], [1]],
-        [None, 0],
-    ],
-    ids=lambda garbage: "raises" if garbage is fail else str(garbage),
-)
-def test_a_labeler_that_returns_garbage_is_named(foreign, garbage):
-    foreign.module.label = labeler(garbage)
-    with pytest.raises(PluginError, match=r"labeler 'foreign:label' of moseg-foreign 2\.0"):
-        foreign.run(labeler="label")
-
-
-class Broken(PatternSearch):
-    """A search that breaks its word in the way that the test says, after the start."""
-
-    how = ""
-
-    def ask(self):
-        batch = super().ask()
-        if not self.history:
-            return batch
-        return {
-            "raises": lambda: fail(None),
-            "nothing": lambda: None,
-            "narrow": lambda: Batch(vectors=batch.vectors[:, :5]),
-            "flat": lambda: Batch(vectors=batch.vectors[0]),
-        }[self.how]()
-
-
-@pytest.mark.parametrize("how", ["raises", "nothing", "narrow", "flat"])
-def test_an_optimizer_that_breaks_its_word_is_named(foreign, how):
-    foreign.module.walk = type("Walk", (Broken,), {"how": how})
-    with pytest.raises(PluginError, match=r"optimizer 'foreign:walk' of moseg-foreign 2\.0"):
-        foreign.run(optimizer="walk")
-
-
-@pytest.mark.parametrize("kind", ["seeder", "labeler", "optimizer"])
-def test_a_component_that_cannot_be_made_is_named(foreign, kind):
-    class Made:
-        def __init__(self, *arguments, **more):
-            raise RuntimeError("out of ideas")
-
-    name = {"seeder": "seed", "labeler": "label", "optimizer": "walk"}[kind]
-    setattr(foreign.module, name, Made)
-    with pytest.raises(PluginError, match=f"{kind} 'foreign:{name}' .* RuntimeError: out of ideas"):
-        foreign.run(**{kind: name})
-
-
-def test_what_a_component_says_of_the_user_is_passed_on(foreign):
-    def refuse(evaluator):
-        raise UsageError("one centre more, please")
-
-    foreign.module.seed = seeder(refuse)
-    with pytest.raises(UsageError, match="one centre more, please"):
-        foreign.run(seeder="seed")
-
-
-def test_an_objective_that_fails_inside_a_component_is_the_one_that_is_named(foreign):
-    def broken(part: Part) -> float:
-        raise ValueError("no idea")
-
-    problem = Problem(["a", "b"], "broken(a)", objectives={"broken": broken})
-    with pytest.raises(PluginError, match=r"objective 'python:broken' .* in 'broken\(a\)'"):
-        run(problem)
+    broken = sum(int(result.labels[f] != k) for f, k in ((0, 1), (1, 1), (2, 0)))
+    assert impossible.evaluation.broken_pins == broken > 0
+    assert impossible.evaluation.cost.empty == broken
+    assert any(f"{broken} pinned" in warning for warning in impossible.warnings)
 
 
 # --- what is refused before the work begins ------------------------------------------------------
@@ -433,6 +299,12 @@ def test_an_objective_that_fails_inside_a_component_is_the_one_that_is_named(for
         ({"optimizer": "pattern_search(expansion=0.5)"}, "expansion.* allowed is 1 or more"),
         ({"parameterization": {"connected": True}}, "a table with a name"),
         ({"seed": -1}, "seed must not be negative"),
+        ({"restarts": 0}, "at least one start, not 0"),
+        ({"freeze": ["stemm"]}, "unknown label 'stemm'; did you mean 'stem'"),
+        ({"pins": {"stemm": [0]}}, "unknown label 'stemm'"),
+        ({"pins": {"stem": [46]}}, "no element 46; elements are 0 to 45"),
+        ({"pins": {"stem": [1], "bar": [1]}}, "element 1 is pinned to two labels"),
+        ({"pins": {"stem": [0.5]}}, "must be integers"),
     ],
 )
 def test_malformed_requests_are_refused_at_once(options, message):

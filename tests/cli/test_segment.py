@@ -174,8 +174,16 @@ def test_bytes_do_not_depend_on_the_process(mallet, tmp_path):
     for run in ("1", "2"):
         words = [w for s in suffixes for w in ("-o", str(tmp_path / f"{run}.{s}"))]
         subprocess.run(
-            [sys.executable, "-m", "moseg_core", "segment", str(mallet), "--recipe", "hammer"]
-            + words,
+            [
+                sys.executable,
+                "-m",
+                "moseg_core",
+                "segment",
+                str(mallet),
+                "--recipe",
+                "hammer",
+                *words,
+            ],
             env={**os.environ, "PYTHONHASHSEED": run},
             check=True,
             capture_output=True,

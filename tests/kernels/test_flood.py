@@ -78,6 +78,27 @@ def test_ties_go_by_distance_then_centre_then_element(case):
     assert flood(*case) == expected
 
 
+@given(
+    width=st.integers(2, 7),
+    height=st.integers(1, 5),
+    n=st.integers(2, 6),
+    halves=st.booleans(),
+    seed=st.integers(0, 2**32),
+)
+@settings(max_examples=200, deadline=None)
+def test_ties_on_a_grid_of_squares_with_gaps(width, height, n, halves, seed):
+    # Nearly every distance ties with others, and many elements are reached by detours only.
+    rng = np.random.default_rng(seed)
+    points = np.array([(x, y, 0.0) for y in range(height) for x in range(width)])
+    apart = np.abs(points[:, None] - points[None]).sum(axis=2)
+    pairs = np.argwhere(apart == 1)
+    adjacency = Adjacency.from_pairs(pairs[rng.random(len(pairs)) < 0.6], len(points))
+    centers = points[rng.integers(0, len(points), n)] + (0.5 if halves else 0.0)
+    case = points, adjacency, centers, np.ones(n)
+    expected = connected_partition(points.tolist(), neighbors(adjacency), centers, [1.0] * n)
+    assert flood(*case) == expected
+
+
 @pytest.mark.parametrize("name", MESHES)
 @given(seed=st.integers(0, 2**32), n=st.integers(1, 5))
 @settings(max_examples=12, deadline=None)

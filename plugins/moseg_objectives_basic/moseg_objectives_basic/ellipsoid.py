@@ -56,8 +56,9 @@ def squared_distances_to_ellipsoid(points: FloatArray, radii: FloatArray) -> Flo
     # In units of `size`: e_min first; gap_i = e_i^2 - e_min^2, exact where radii are equal.
     gap = (e - e[0]) * (e + e[0])
     pull = e * y
-    # A product so small has a factor below 1e-100: nothing as a length, but quotients overflow.
-    pull[pull < 1e-200] = 0.0
+    # A product so small has a factor below 1e-75: nothing as a length, but its square underflows
+    # and quotients overflow.
+    pull[pull < 1e-150] = 0.0
     s = np.maximum((pull - gap).max(axis=1), np.linalg.norm(pull, axis=1) - gap[2]).clip(0.0)
     still = np.flatnonzero(s == 0.0)
     at_zero = (_terms(pull[still], gap, s[still]) ** 2).sum(axis=1)

@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from moseg_objectives_basic import convexity
 from moseg_objectives_basic.convexity import convex_parts, hull_volume
-from scipy.spatial import ConvexHull
+from scipy.spatial import ConvexHull, QhullError
 from scipy.spatial.transform import Rotation
 
-from moseg_core import Problem, Segmentation, Shape, ShapeError
+from moseg_core import MosegError, Problem, Segmentation, Shape, ShapeError
 
 GENERIC = Rotation.from_rotvec([0.4, -1.1, 0.7])
 
@@ -94,6 +95,36 @@ def test_thin_shapes_are_measured_in_their_own_proportions(make):
         plate = make.moved(make.box(1, 1, thickness), turn=GENERIC)
         # The corners themselves are rounded to 1e-16.
         assert value(plate, [0] * 6) < (1e-14 / thickness) ** 2
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_hulls_far_narrower_than_long(make, seed):
+    rng = np.random.default_rng(seed)
+    lattice = rng.integers(0, 4, size=(60, 3)).astype(float)
+    turned = Rotation.random(rng=rng).apply(lattice * [1, 1e-8, 1e-11])
+    expected = ConvexHull(lattice).volume * 1e-19
+    found = hull_volume(make.part((turned, np.arange(60).reshape(-1, 3))))
+    assert found == pytest.approx(expected, rel=1e-3)
+
+
+def test_what_qhull_says_of_points_in_a_plane_is_no_error(make, monkeypatch):
+    def refuse(points):
+        # Points in the plane x + y + z = 0, whatever the part.
+        return ConvexHull(np.array([[1, -1, 0], [0, 1, -1], [-1, 0, 1], [2, -1, -1], [0, 0, 0]]))
+
+    part = make.part(make.box(1, 1, 1))
+    monkeypatch.setattr(convexity, "ConvexHull", refuse)
+    assert hull_volume(part) == 0
+
+
+def test_other_failures_are_not_taken_for_a_volume(make, monkeypatch):
+    def fail(points):
+        raise QhullError("QH6271 qhull topology error\nand forty lines of advice")
+
+    monkeypatch.setattr(convexity, "ConvexHull", fail)
+    with pytest.raises(MosegError, match="convex hull of a part cannot be computed: QH6271") as e:
+        hull_volume(make.part(make.box(1, 1, 1)))
+    assert "\n" not in str(e.value)
 
 
 def test_open_shape_is_refused_by_name(make):

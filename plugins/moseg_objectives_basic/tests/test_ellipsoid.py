@@ -5,7 +5,7 @@ from decimal import Decimal, localcontext
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 from moseg_objectives_basic.ellipsoid import squared_distances_to_ellipsoid
 from scipy import optimize
@@ -120,7 +120,9 @@ def test_two_radii_of_zero_leave_a_segment_and_three_a_point():
 
 lengths = st.one_of(
     st.floats(0, 3),
-    st.sampled_from([0.0, 1e-300, 1e-20, 1e-17, 1e-12, 1e-6, 1e-3, 0.5, 1.0, 1.0 - 1e-12]),
+    st.sampled_from(
+        [0.0, 1e-300, 1e-160, 1e-149, 1e-80, 1e-20, 1e-17, 1e-12, 1e-6, 1e-3, 0.5, 1.0, 1.0 - 1e-12]
+    ),
     st.sampled_from([1.0 + 2**-52, 2.0, 1e3, 1e6]),
 )
 
@@ -137,6 +139,7 @@ def test_against_120_digits(radii, point):
     factors=st.lists(st.sampled_from([0.0, 1e-12, -1e-12, 1e-9, 2**-52]), min_size=3, max_size=3),
     point=st.tuples(st.floats(-2, 2), st.floats(-2, 2), st.floats(-2, 2)),
 )
+@example(base=1.0, factors=[0.0, 0.0, 0.0], point=(0.0, 0.0, 4e-161))
 @settings(max_examples=80, deadline=None)
 def test_nearly_equal_radii(base, factors, point):
     check(np.array(point) * base, base * (1 + np.array(factors)))

@@ -83,7 +83,8 @@ def test_what_is_left_out_does_not_matter(data, make):
         assert planar_symmetric(part) == pytest.approx(min(full), rel=1e-12)
 
 
-def test_symmetric_part_takes_hardly_more_than_one_axis(make, monkeypatch):
+@pytest.mark.parametrize("length", [20.0, 0.3])
+def test_symmetric_part_takes_hardly_more_than_one_axis(make, monkeypatch, length):
     asked = []
     original = surface.SurfaceTree.squared_distances
 
@@ -92,7 +93,7 @@ def test_symmetric_part_takes_hardly_more_than_one_axis(make, monkeypatch):
         return original(self, points)
 
     monkeypatch.setattr(surface.SurfaceTree, "squared_distances", counted)
-    part = make.part(prism(20.0))
+    part = make.part(prism(length))
     assert planar_symmetric(part) < 1e-25
     count = len(part.measure("basic:surface_samples")[0])
     assert count <= sum(asked) < 1.5 * count

@@ -1,0 +1,157 @@
+"""A user's walk-through: centres by hand, run, change a weight, go on, pin a part, interrupt.
+
+The same steps stand in ``docs/steering.md``.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from moseg_core import load
+
+SENTENCE = "3*narrow(handle) + perpendicular(handle, head) + convex_parts"
+
+
+def read(path):
+    return json.loads(path.read_text())
+
+
+def test_walk_through(moseg, mallet, tmp_path):
+    first, second, third = (tmp_path / f"{name}.json" for name in ("first", "second", "third"))
+    problem = ("--labels", "handle,head", "--minimize", SENTENCE)
+
+    by_hand = ("--centers", "handle=-0.5,0,0,head=2.2,0,0")
+    assert moseg("segment", mallet, *problem, *by_hand, "-o", first).code == 0
+    assert read(first)["method"]["seeder"].startswith("core:given(centers=handle=-0.5,0,0")
+
+    # What if the handle mattered more? No search: the same labels under another expression.
+    heavier = SENTENCE.replace("3*", "9*")
+    told = moseg(
+        *("explain", mallet, "--labels", "handle,head", "--minimize", heavier),
+        *("--parts", first, "--json"),
+    )
+    before = json.loads(told.out)["cost"]["value"]
+    assert before > read(first)["cost"]["value"]
+
+    # Go on from there: labels come from the result, the expression is the new one.
+    run = moseg("segment", mallet, "--start", first, "--minimize", heavier, "-o", second)
+    assert run.code == 0
+    assert read(second)["problem"] == {"labels": ["handle", "head"], "minimize": heavier}
+    assert read(second)["cost"]["value"] <= before + 1e-12
+
+    # Pin faces that came out as the handle, next to the head, to the head.
+    shape = load(mallet)
+    labels = np.array(read(second)["labels"])
+    handle = np.flatnonzero(labels == 0)
+    pinned = handle[np.argsort(-shape.points[handle, 0])[:3]].tolist()
+    pin = f"head={','.join(str(face) for face in pinned)}"
+    run = moseg("segment", mallet, "--start", second, "--pin", pin, "-o", third)
+    assert run.code == 0
+    assert [read(third)["labels"][face] for face in pinned] == [1, 1, 1]
+    assert read(third)["cost"]["broken_pins"] == 0
+
+    # The result without a search: everything frozen.
+    run = moseg("segment", mallet, "--start", second, "--freeze", "handle,head", "--json")
+    assert json.loads(run.out)["cost"]["value"] == read(second)["cost"]["value"]
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["--recipe", "hammer", "--centers", "handle=0,0,0"], "'head' needs three coordinates"),
+        (["--recipe", "hammer", "--centers", "head=90,0,0,handle=0,0,0"], "'head' gets no part"),
+        (["--recipe", "hammer", "--seeder", "given"], "parameter 'centers' is missing"),
+        (
+            ["--recipe", "hammer", "--seeder", "kmeans", "--centers", "a=1,2,3"],
+            "--centers goes with the seeder 'given', not 'kmeans'",
+        ),
+        (["--recipe", "hammer", "--pin", "head"], "write --pin label=120,121"),
+        (["--recipe", "hammer", "--pin", "head=a"], "write --pin label=120,121"),
+        (["--recipe", "hammer", "--pin", "haed=1"], "did you mean 'head'"),
+        (["--recipe", "hammer", "--pin", "head=99999"], "there is no element 99999"),
+        (["--recipe", "hammer", "--freeze", "handel"], "did you mean 'handle'"),
+        (["--recipe", "hammer", "--restarts", "0"], "at least one start"),
+        (["--start", "nowhere.json"], "cannot be read as a result"),
+    ],
+)
+def test_mistakes_exit_2_in_one_line(moseg, mallet, words, says):
+    run = moseg("segment", mallet, *words)
+    assert run.code == 2
+    assert says in run.err
+    assert len(run.err.strip().splitlines()) == 1
+
+
+def test_a_start_with_other_labels_is_refused(moseg, mallet, tmp_path):
+    first = tmp_path / "first.json"
+    assert moseg("segment", mallet, "--recipe", "hammer", "-o", first).code == 0
+    run = moseg(
+        *("segment", mallet, "--start", first, "--labels", "a,b", "--minimize", "narrow(a)")
+    )
+    assert run.code == 2
+    assert "has the labels handle, head; the problem has a, b" in run.err
+
+
+def interrupted(words, cwd):
+    """Run the command line and press Ctrl-C once the search is under way."""
+    process = subprocess.Popen(
+        [sys.executable, "-u", "-c", _RUNNER, *words],
+        cwd=cwd,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env={**os.environ, "PYTHONUNBUFFERED": "1"},
+    )
+    for line in process.stderr:
+        if "polling" in line:
+            process.send_signal(signal.SIGINT)
+            break
+    out, err = process.communicate(timeout=120)
+    return process.returncode, out, err
+
+
+# The search says when it polls and then waits, so that the signal comes in the middle of it.
+_RUNNER = """
+import sys, time
+import moseg_core.builtin.pattern_search as module
+ask = module.PatternSearch.ask
+count = 0
+def slow(self):
+    global count
+    count += 1
+    if count == 3:
+        print("polling", file=sys.stderr, flush=True)
+        until = time.monotonic() + 60
+        while time.monotonic() < until and not stopped:
+            time.sleep(0.01)
+    return ask(self)
+module.PatternSearch.ask = slow
+stopped = []
+import moseg_core.cli.interrupt as interrupt
+say = interrupt.message
+interrupt.message = lambda text: (stopped.append(1), say(text))
+from moseg_core.cli import main
+main(sys.argv[1:])
+"""
+
+
+def test_ctrl_c_writes_the_best_so_far_when_outputs_were_asked_for(mallet, tmp_path):
+    out = tmp_path / "cut.json"
+    code, _, err = interrupted(["segment", str(mallet), "--recipe", "hammer", "-o", str(out)], ".")
+    assert code == 130
+    assert "finishing with the best so far" in err
+    assert read(out)["reason"] == "interrupted"
+    assert "interrupted" in read(out)["warnings"][0]
+
+
+def test_ctrl_c_without_outputs_ends_at_once(mallet, tmp_path):
+    code, out, err = interrupted(["segment", str(mallet), "--recipe", "hammer"], ".")
+    assert code == 130
+    assert out == ""
+    assert "interrupted" in err
