@@ -21,6 +21,9 @@ from moseg_core.protocols import Batch, Centers, Optimizer, Progress, Report, Se
 from moseg_core.specs import Kind
 from moseg_core.types import BoolArray, FloatArray, IntArray
 
+_PLACES = 16
+"""Pinned elements of a label that are tried as the place of its centre."""
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Outcome:
@@ -81,6 +84,7 @@ def search_once(
             vector = partition.permute(vector, _label(ready["labeler"], evaluator, vector))
     else:
         vector = partition.encode(start)
+    vector = _towards_pins(evaluator, vector, frozen)
     if not (vector >= partition.lower).all() or not (vector <= partition.upper).all():
         raise PluginError("the search starts outside the bounds of the parameterization")
 
@@ -155,6 +159,27 @@ def run_search(
         if deadline is not None and time.monotonic() >= deadline and not search.finished:
             return "seconds"
     return search.finished
+
+
+def _towards_pins(evaluator: Evaluator, vector: FloatArray, frozen: Sequence[int]) -> FloatArray:
+    """Start where fewer pins are broken: centres moved to the pinned elements of their labels.
+
+    The search only notices a pin when an element changes its part, so it needs to start near.
+    """
+    partition, pins, shape = evaluator.parameterization, evaluator.pins, evaluator.shape
+    for label in np.unique(pins.labels):
+        if label in frozen or not pins.broken(evaluator.labels(vector)):
+            continue
+        pinned = shape.points[pins.elements[pins.labels == label]]
+        centers = partition.decode(vector)
+        tried = [vector]
+        for place in [pinned.mean(axis=0), *pinned[:_PLACES]]:
+            positions = centers.positions.copy()
+            positions[label] = place
+            tried.append(partition.encode(replace(centers, positions=positions)))
+        costs = evaluator.costs(Batch(vectors=np.stack(tried), best_only=True))
+        vector = tried[min(range(len(costs)), key=lambda k: (costs[k], k))]
+    return vector
 
 
 def _expand(vectors: FloatArray, base: FloatArray, free: BoolArray) -> FloatArray:

@@ -114,6 +114,7 @@ def test_the_best_of_a_batch_below_a_cutoff_is_that_of_exact_evaluation(case, wh
 
 # --- what is left out ----------------------------------------------------------------------------
 
+
 @pytest.mark.parametrize("order", [1, -1])
 def test_an_expensive_term_is_skipped_where_it_cannot_matter(order):
     slow, calls = counted(0, 1, lambda part: 1.0)

@@ -3,25 +3,20 @@
 from __future__ import annotations
 
 import math
-import sys
-import types
 
 import numpy as np
 import pytest
 
-from moseg_core.builtin.pattern_search import PatternSearch
 from moseg_core.cost import Cost
-from moseg_core.errors import PluginError, ShapeError, UsageError
+from moseg_core.errors import ShapeError, UsageError
 from moseg_core.method import Choice, Method
 from moseg_core.objectives import objective
 from moseg_core.part import Part
 from moseg_core.pipeline import segment
-from moseg_core.plugins import Bundle, Component, Registry, registry
 from moseg_core.problem import Problem
-from moseg_core.protocols import Batch, Centers, Seeding
+from moseg_core.protocols import Centers
 from moseg_core.segmentation import Segmentation
 from moseg_core.shape import Shape
-from moseg_core.specs import LabelerSpec, OptimizerSpec, SeederSpec
 from tests import references, shapes
 
 MESH = shapes.jitter(shapes.tee(), 5)

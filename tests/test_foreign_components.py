@@ -39,7 +39,12 @@ def worst(part: Part) -> float:
     return 1.0
 
 
-OBJECTIVES = {"slim": slim, "area": area, "worst": worst}
+@objective(range=(0, 1))
+def broken(part: Part) -> float:
+    raise ValueError("no idea")
+
+
+OBJECTIVES = {"slim": slim, "area": area, "worst": worst, "broken": broken}
 
 
 class Foreign:
@@ -69,8 +74,9 @@ class Foreign:
             ]
         )
 
-    def run(self, text="slim(stem) + uneven", **options):
-        return run(problem_of(text, registry=self.registry), **options)
+    def run(self, text="2*slim(stem) + slim(bar)", **options):
+        problem = Problem(["stem", "bar"], text, objectives=OBJECTIVES, registry=self.registry)
+        return segment(SHAPE, problem, **{"optimizer": "pattern_search(threshold=0.01)", **options})
 
 
 @pytest.fixture
@@ -250,12 +256,12 @@ def test_what_a_component_says_of_the_user_is_passed_on(foreign):
 
 
 def test_an_objective_that_fails_inside_a_component_is_the_one_that_is_named(foreign):
-    def broken(part: Part) -> float:
-        raise ValueError("no idea")
+    def look(evaluator):
+        evaluator.evaluate(np.ones(8))
 
-    problem = Problem(["a", "b"], "broken(a)", objectives={"broken": broken})
-    with pytest.raises(PluginError, match=r"objective 'python:broken' .* in 'broken\(a\)'"):
-        run(problem)
+    foreign.module.seed = seeder(look)
+    with pytest.raises(PluginError, match=r"objective 'python:broken' .* in 'broken\(stem\)'"):
+        foreign.run("broken(stem)", seeder="seed")
 
 
 def test_the_best_of_several_starts_is_returned_and_all_are_recorded(foreign):
