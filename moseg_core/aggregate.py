@@ -171,7 +171,7 @@ def call_value(
     shape = segmentation.shape
     concerned = range(len(parts)) if term.objective.traits.arity == "global" else call
     members = tuple(parts[k].membership for k in concerned)
-    key = (*term.memo_key, members, shape.space, shape.resolution)
+    key = (*term.memo_key, members, *shape.key)
 
     def compute() -> float:
         subject: object = segmentation

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from moseg_core.errors import MosegError
 from moseg_core.memo import Memo
 from moseg_core.plugins import MeasureResolver
 from moseg_core.shape import Shape
@@ -73,14 +74,20 @@ class Part:
         """Surface area, model units squared."""
         return float(self.moments[0])
 
+    def _require_area(self) -> None:
+        if not self.moments[0] > 0:
+            raise MosegError("an empty part, or one without area, has no centroid and no axes")
+
     @cached_property
     def centroid(self) -> FloatArray:
         """(3,) float, model units: the paper's ``P.c``, the area-weighted mean of the surface."""
+        self._require_area()
         centroid: FloatArray = self.moments[1:4] / self.moments[0] + self.shape.frame.center
         return centroid
 
     @cached_property
     def _principal(self) -> tuple[FloatArray, FloatArray]:
+        self._require_area()
         mean = self.moments[1:4] / self.moments[0]
         xx, xy, xz, yy, yz, zz = self.moments[4:10] / self.moments[0]
         covariance = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) - np.outer(mean, mean)
@@ -183,7 +190,7 @@ class Part:
         own = self._own_measures
         if key not in own:
             if keep:
-                whole = (self.membership, self.shape.space, self.shape.resolution, *key)
+                whole = (self.membership, *self.shape.key, *key)
                 own[key] = self.memo.get(whole, lambda: function(self, **parameters))
             else:
                 own[key] = function(self, **parameters)

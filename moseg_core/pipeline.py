@@ -195,7 +195,9 @@ def _shared_budget(ready: dict[Kind, Ready], restarts: int) -> dict[Kind, Ready]
     budget = optimizer.parameters.get("max_evaluations")
     if restarts == 1 or budget is None:
         return ready
-    shared = {**optimizer.parameters, "max_evaluations": max(1, budget // restarts)}
+    if budget < restarts:
+        raise UsageError(f"{restarts} starts cannot share {budget} evaluations; allow more")
+    shared = {**optimizer.parameters, "max_evaluations": budget // restarts}
     return {**ready, "optimizer": replace(optimizer, parameters=shared)}
 
 

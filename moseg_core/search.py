@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from moseg_core.cost import Cost
-from moseg_core.errors import PluginError
+from moseg_core.errors import PluginError, UsageError
 from moseg_core.evaluation import Evaluator
 from moseg_core.method import Ready
 from moseg_core.protocols import Batch, Centers, Optimizer, Progress, Report, Seeding
@@ -84,9 +84,15 @@ def search_once(
             vector = partition.permute(vector, _label(ready["labeler"], evaluator, vector))
     else:
         vector = partition.encode(start)
+    if not (
+        np.isfinite(vector).all()
+        and (vector >= partition.lower).all()
+        and (vector <= partition.upper).all()
+    ):
+        if start is not None:
+            raise UsageError("the start must have finite centres and positive, finite weights")
+        raise PluginError(f"{ready['seeder'].who} placed centres outside the bounds")
     vector = _towards_pins(evaluator, vector, frozen)
-    if not (vector >= partition.lower).all() or not (vector <= partition.upper).all():
-        raise PluginError("the search starts outside the bounds of the parameterization")
 
     free = np.ones(len(vector), np.bool_)
     for label in frozen:
@@ -107,12 +113,13 @@ def search_once(
     reason = run_search(
         search, evaluator, deadline, report, ready=ready["optimizer"], base=vector, free=free
     )
-    found, cost = search.best
+    with ready["optimizer"].guard():
+        (found, cost), records = search.best, search.history
     return Outcome(
         vector=_expand(found[None], vector, free)[0],
         cost=cost,
         reason=reason,
-        history={**history, "search": search.history},
+        history={**history, "search": records},
         warning=seeding.warning if seeding else "",
     )
 
@@ -145,20 +152,21 @@ def run_search(
     """
     stage = ready.component.spec.name
     before = evaluator.evaluations
-    while not search.finished:
+    with ready.guard():
+        finished = search.finished
+    while not finished:
         batch = _ask(ready, search, int(free.sum()))
         costs = evaluator.costs(replace(batch, vectors=_expand(batch.vectors, base, free)))
         with ready.guard():
             search.tell(costs)
+            finished, best, fraction = search.finished, search.best[1], search.progress
         done = evaluator.evaluations - before
-        stop = report(
-            Progress(stage=stage, done=done, best=search.best[1], fraction=search.progress)
-        )
-        if stop and not search.finished:
+        stop = report(Progress(stage=stage, done=done, best=best, fraction=fraction))
+        if stop and not finished:
             return "interrupted"
-        if deadline is not None and time.monotonic() >= deadline and not search.finished:
+        if deadline is not None and time.monotonic() >= deadline and not finished:
             return "seconds"
-    return search.finished
+    return finished
 
 
 def _towards_pins(evaluator: Evaluator, vector: FloatArray, frozen: Sequence[int]) -> FloatArray:
@@ -197,7 +205,8 @@ def _seed(ready: Ready, evaluator: Evaluator, rng: np.random.Generator, report: 
     n = evaluator.parameterization.n_parts
     try:
         centers = np.asarray(seeding.centers, dtype=np.float64)
-        fits = centers.shape == (n, 3) and bool(np.isfinite(centers).all())
+        fits = isinstance(seeding, Seeding) and centers.shape == (n, 3)
+        fits = fits and bool(np.isfinite(centers).all())
     except (AttributeError, TypeError, ValueError):
         fits = False
     if not fits:
@@ -232,8 +241,8 @@ def _ask(ready: Ready, search: Optimizer, size: int) -> Batch:
         batch = search.ask()
     try:
         vectors = np.asarray(batch.vectors, dtype=np.float64)
-        fits = vectors.ndim == 2 and len(vectors) > 0 and vectors.shape[1] == size
-        fits = fits and bool(np.isfinite(vectors).all())
+        fits = isinstance(batch, Batch) and vectors.ndim == 2 and len(vectors) > 0
+        fits = fits and vectors.shape[1] == size and bool(np.isfinite(vectors).all())
     except (AttributeError, TypeError, ValueError):
         fits = False
     if not fits:

@@ -29,7 +29,7 @@ import numpy.typing as npt
 from moseg_core.adjacency import Adjacency, enclosed_volume, mesh_adjacency
 from moseg_core.errors import ShapeError
 from moseg_core.mesh import PolygonMesh
-from moseg_core.types import FloatArray, IntArray
+from moseg_core.types import FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -207,10 +207,10 @@ class Shape:
             digest.update(np.ascontiguousarray(array).tobytes())
         return digest.hexdigest()[:16]
 
-    @cached_property
-    def triangle_ranges(self) -> IntArray:
-        """(F + 1,) int: element ``f`` has the triangles ``[f]`` to ``[f + 1]``."""
-        return np.searchsorted(self.geometry.triangle_polygon, np.arange(self.n_elements + 1))
+    @property
+    def key(self) -> tuple[str, str, str]:
+        """What tells this shape from all others in the key of a remembered value."""
+        return (self.fingerprint, self.space, self.resolution)
 
 
 def _element_moments(

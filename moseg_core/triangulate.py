@@ -89,6 +89,10 @@ def _clip_ears(points: FloatArray) -> IntArray:
     if (normal[drop] < 0) != (drop == 1):
         plane = plane[:, ::-1]
     ring = list(range(len(points)))
+    before, after = np.roll(plane, 1, axis=0), np.roll(plane, -1, axis=0)
+    u, v = plane - before, after - plane
+    if (u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0] > 0).all() and _winds_once(plane):
+        return np.array([[0, k, k + 1] for k in range(1, len(ring) - 1)], np.int64)
     triangles: list[list[int]] = []
     while len(ring) > 3:
         triples = [(ring[i - 1], ring[i], ring[(i + 1) % len(ring)]) for i in range(len(ring))]
@@ -105,6 +109,14 @@ def _clip_ears(points: FloatArray) -> IntArray:
         del ring[ear]
     triangles.append(ring)
     return np.array(triangles, np.int64)
+
+
+def _winds_once(plane: FloatArray) -> bool:
+    """Whether a polygon that only turns left is convex, and not a star that goes round twice."""
+    steps = np.roll(plane, -1, axis=0) - plane
+    angles = np.arctan2(steps[:, 1], steps[:, 0])
+    turns = np.mod(np.roll(angles, -1) - angles, 2 * np.pi)
+    return bool(turns.sum() < 3 * np.pi)
 
 
 def _turn(plane: FloatArray, a: int, b: int, c: int) -> float:

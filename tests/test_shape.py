@@ -31,7 +31,7 @@ def test_each_element_has_the_moments_of_its_own_triangles(mesh):
     center = shape.frame.center
     assert shape.n_elements == len(faces)
     for f in range(shape.n_elements):
-        own = shape.geometry.triangles[shape.triangle_ranges[f] : shape.triangle_ranges[f + 1]]
+        own = shape.geometry.triangles[shape.geometry.triangle_polygon == f]
         assert set(own.reshape(-1).tolist()) == set(faces[f])
         area, mean, covariance = triangle_moments(vertices[own].tolist())
         second = area * (np.array(covariance) + np.outer(mean - center, mean - center))

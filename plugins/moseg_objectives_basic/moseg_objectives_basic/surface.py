@@ -5,9 +5,11 @@ over the area of ``S1`` and the square of its box diagonal. The integral is a su
 the centroids of the triangles, each triangle larger than a twentieth of the part's box diagonal
 being cut into equal smaller ones first, so that a coarse mesh is integrated as finely as a dense
 one. What a centroid misses of a square within its piece is at most 1/4800 of the squared diagonal
-(three sides of a twentieth, squared, over 36), and mostly far less. Distances are to the surface, not to its vertices, from libigl's bounding-box tree. To a
-needle less than about a millionth as wide as it is long they may come out too large, never too
-small; beside a wider triangle this does not show.
+(three sides of a twentieth, squared, over 36), and mostly far less.
+
+Distances are to the surface, not to its vertices, from libigl's bounding-box tree. To a needle
+less than about a millionth as wide as it is long they may come out too large, never too small;
+beside a wider triangle this does not show.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 from __future__ import annotations
 
-from moseg_core import Problem, Shape, load_recipe
+from moseg_core import Problem, load_recipe
 
 LEGS = [("leg1",), ("leg2",), ("leg3",), ("leg4",)]
 
@@ -63,14 +63,13 @@ def test_hammer_recipe_prefers_a_hammer_cut_as_one(make):
     _, problem, _ = bound("hammer")
     right = problem.evaluate(shape, labels)
     assert right.cost.empty == 0
-    assert [term.value for term in right.terms[1:]] == [0, 0] or right.terms[1].value < 1e-12
+    assert max(abs(term.value) for term in right.terms[1:]) < 1e-12
     assert right.cost < problem.evaluate(shape, 1 - labels).cost
 
 
 def test_horse_recipe_takes_any_shape_of_six_parts(make):
     meshes = [make.moved(make.box(3, 2, 1), shift=[5 * k, 0, 0]) for k in range(6)]
     whole = make.segmented(meshes)
-    assert isinstance(whole.shape, Shape)
     _, problem, _ = bound("horse")
     found = problem.evaluate(whole.shape, whole.labels)
     worth = {term.text: term.value for term in found.terms}
