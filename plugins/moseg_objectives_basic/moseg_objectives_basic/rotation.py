@@ -1,14 +1,16 @@
 """Objectives on turns that leave a part as it is: axial_symmetric, rotational_symmetric (Sec. 3).
 
 The paper names both without a formula. They follow its ``planar_symmetric`` (Sec. 10): a
-``surfdist`` (:mod:`moseg_objectives_basic.surface`) between the part and its image, here turned
+surface distance (:mod:`moseg_objectives_basic.surface`) between the part and its image, turned
 instead of reflected, about the best of the three principal axes through the centroid. A turn and
 its inverse always come together. The sign of a principal axis means nothing and a mirror image
 turns the other way, so that either alone would make the value depend on both.
 
 An axis of symmetry, but for half a turn, forces the scales across it to be equal: it belongs to
 the scale that differs, and is well defined just where the two others are arbitrary. Those are
-left out then, lest the value hang on them. 0 is best.
+left out then, lest the value hang on them. For the same reason distances are not measured
+against the diagonal of a box along these axes, but against the diameter of the ball around the
+centroid that holds the part: the same for a brick, and well defined for all. 0 is best.
 """
 
 from __future__ import annotations
@@ -46,17 +48,17 @@ def axial_symmetric(part: Part) -> float:
     Returns
     -------
     float
-        Mean surface distance between the part and itself turned by 25, 55 and 105 degrees
-        either way, about the principal axis through its centroid where that is least. 0 for a surface of revolution; 0 is best. No point is further from the
-        part than from where its turn takes it, at most twice its distance from the axis; those
-        square to ``4 (s_j^2 + s_k^2)`` in the mean, at most the box's two sides squared. Hence
-        at most 1.
+        Mean squared distance between the part and itself turned by 25, 55 and 105 degrees either
+        way, over ``4 r^2`` with ``r`` its greatest distance from its centroid, about the
+        principal axis through that where it is least. 0 for a surface of revolution; 0 is best.
+        No point is further from the part than from where its turn takes it, at most twice its
+        distance from the axis. Hence at most 1.
 
     Notes
     -----
-    ``min_i mean_a surfdist(P, turn(P, P.c, P.axis_i, a))``; named in Simari & Singh, Sec. 3. A
-    handful of turns stands for all. They are fixed, so that the value does not fluctuate, and no
-    simple fractions of a circle, so that a prism of three to ten sides is not taken for round.
+    ``min_i mean_a dist^2(P, turn(P, P.c, P.axis_i, a)) / 4 r^2``; named in Simari & Singh,
+    Sec. 3. Six turns stand for all. They are fixed, so that the value does not fluctuate, and
+    chosen so that no prism of few sides is taken for round.
 
     It does not see an axis of revolution that is no principal axis. A full one always is, unless
     all three scales coincide and the part is no sphere: a cylinder of one certain height. A part
@@ -96,18 +98,18 @@ def rotational_symmetric(part: Part, *, n: Annotated[int, Interval(2)] = 2) -> f
     Returns
     -------
     float
-        Mean surface distance between the part and itself turned by the multiples of ``2 pi / n``
-        that are not the whole circle, about the principal axis through its centroid where that
-        is least. 0 where the part is n-fold symmetric; 0 is best. At most 1, as for
-        :func:`axial_symmetric`.
+        Mean squared distance between the part and itself turned by the multiples of
+        ``2 pi / n`` that are not the whole circle, over ``4 r^2`` as for
+        :func:`axial_symmetric`, about the principal axis through the centroid where it is
+        least. 0 where the part is n-fold symmetric; 0 is best. At most 1.
 
     Notes
     -----
-    ``min_i mean_k surfdist(P, turn(P, P.c, P.axis_i, 2 pi k / n))``; named in Simari & Singh,
-    Sec. 3. One turn by ``2 pi / n`` says as well whether there is symmetry, but not how far from
-    it a part is: as ``n`` grows the turn, and with it every part's distance, goes to nothing.
-    The mean over all multiples approaches that of a full revolution instead. From ``n`` = 10
-    eight of them stand for all, that by ``2 pi / n`` among them.
+    ``min_i mean_k dist^2(P, turn(P, P.c, P.axis_i, 2 pi k / n)) / 4 r^2``; named in Simari &
+    Singh, Sec. 3. One turn by ``2 pi / n`` says as well whether there is symmetry, but not how
+    far from it a part is: as ``n`` grows the turn, and with it every part's distance, goes to
+    nothing. The mean over all multiples approaches that of a full revolution instead. From ``n``
+    = 10 on seven or eight of them stand for all, that by ``2 pi / n`` among them.
 
     The axes of a part are arbitrary where all three scales coincide, a cube's for instance, and
     its symmetry is then not found; where two coincide only the axis of the third is tried. With
@@ -132,7 +134,7 @@ def rotational_symmetric(part: Part, *, n: Annotated[int, Interval(2)] = 2) -> f
 
 
 def _least_mean_distance(part: Part, angles: FloatArray) -> float:
-    """Least over the axes of the mean over the angles of surfdist(part, turned part)."""
+    """Least over the axes of the mean over the angles of the distance to the turned part."""
     points, weights = part.measure("basic:surface_samples")
     tree = part.measure("basic:surface_tree")
     local = points - part.centroid
@@ -158,7 +160,8 @@ def _least_mean_distance(part: Part, angles: FloatArray) -> float:
             sums[i] += add(i, block)
         else:
             least = min(least, sums[i])
-    return float(least / (weights.sum() * len(angles) * part.box_diagonal**2))
+    reach = ((part.vertices - part.centroid) ** 2).sum(axis=1).max()
+    return float(least / (weights.sum() * len(angles) * 4.0 * reach))
 
 
 def _well_defined(part: Part) -> list[int]:
