@@ -163,9 +163,11 @@ def convex(part: Part) -> float:
     Named in Simari & Singh, Sec. 3. Unlike ``convex_parts`` it is about one part, bounded, and
     needs no shape that encloses a volume; the hulls of two convex parts may well overlap.
 
-    A boundary that runs in a zigzag along the faces gives a cap with dents, which count: a few
-    percent on a coarse mesh. A dent by itself, the inside of a bowl, is as convex as a bump. A
-    part thinner than 1e-7 of its length counts as plane.
+    A boundary that runs in a zigzag along the faces has teeth that push the hull outward
+    and a cap with dents between them, which count: each half of an ellipsoid of 300, 1300 and
+    5000 faces has 0.16, 0.10 and 0.06. That is a floor below which differences mean nothing. A
+    dent by itself, the inside of a bowl, is as convex as a bump. A part thinner than 1e-7 of its
+    length counts as plane.
 
     Examples
     --------

@@ -190,6 +190,19 @@ def test_closed_parts_have_the_volume_of_the_shape(make):
         assert closed_volume(part) == pytest.approx(part.shape.volume, rel=1e-12)
 
 
+@pytest.mark.parametrize("seed", range(5))
+def test_two_parts_share_their_caps(make, seed):
+    """However the boundary between them zigzags, their volumes add up to the whole."""
+    vertices, faces = make.ball(2)
+    vertices = Rotation.random(rng=seed).apply(vertices) * [2, 1, 0.7]
+    labels = (vertices[faces].mean(axis=1)[:, 0] > 0.4).astype(int)
+    parts = Segmentation.from_labels(Shape.from_mesh(vertices, faces), labels, 2).parts
+    volume = parts[0].shape.volume
+    assert sum(map(closed_volume, parts)) == pytest.approx(volume, rel=1e-12)
+    # The dents of a coarse cap count, but not for much.
+    assert 0 < convex(parts[0]) < 0.25
+
+
 def test_repeated_vertices_are_one(make):
     """As in an STL file, where each triangle has corners of its own."""
     vertices, faces = make.ball(2)
