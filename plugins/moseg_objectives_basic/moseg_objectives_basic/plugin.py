@@ -9,7 +9,7 @@ _PACKAGE = "moseg_objectives_basic"
 
 @hookimpl
 def moseg_objectives() -> list[ObjectiveSpec]:
-    """The objectives of Sec. 10."""
+    """The objectives of Sec. 10, those that Sec. 3 only names, and bounds on the area."""
     return [
         ObjectiveSpec(
             name="narrow",
@@ -49,6 +49,41 @@ def moseg_objectives() -> list[ObjectiveSpec]:
             target=f"{_PACKAGE}.convexity:convex_parts",
             summary="all parts: their convex hulls fill the volume once",
         ),
+        ObjectiveSpec(
+            name="axial_symmetric",
+            target=f"{_PACKAGE}.rotation:axial_symmetric",
+            summary="one part: a surface of revolution",
+        ),
+        ObjectiveSpec(
+            name="rotational_symmetric",
+            target=f"{_PACKAGE}.rotation:rotational_symmetric",
+            summary="one part: the same n times in a full turn",
+        ),
+        ObjectiveSpec(
+            name="convex",
+            target=f"{_PACKAGE}.solidity:convex",
+            summary="one part: fills its convex hull",
+        ),
+        ObjectiveSpec(
+            name="area_fraction",
+            target=f"{_PACKAGE}.share:area_fraction",
+            summary="one part: its share of the area between min and max",
+        ),
+        ObjectiveSpec(
+            name="parallel",
+            target=f"{_PACKAGE}.lines:parallel",
+            summary="two parts: long axes parallel",
+        ),
+        ObjectiveSpec(
+            name="coaxial",
+            target=f"{_PACKAGE}.lines:coaxial",
+            summary="two parts: long axes on one line",
+        ),
+        ObjectiveSpec(
+            name="similar",
+            target=f"{_PACKAGE}.likeness:similar",
+            summary="several parts: the same proportions in any size",
+        ),
     ]
 
 
@@ -60,6 +95,11 @@ def moseg_measures() -> list[MeasureSpec]:
             name="hull_volume",
             target=f"{_PACKAGE}.convexity:hull_volume",
             summary="volume of the part's convex hull",
+        ),
+        MeasureSpec(
+            name="closed_volume",
+            target=f"{_PACKAGE}.solidity:closed_volume",
+            summary="volume of the part with its boundary loops capped",
         ),
         MeasureSpec(
             name="surface_samples",

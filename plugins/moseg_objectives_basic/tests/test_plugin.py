@@ -24,6 +24,16 @@ SECTION_10 = {
     "similar_proportions": "nary",
     "convex_parts": "global",
 }
+SECTION_3 = {
+    "axial_symmetric": "unary",
+    "rotational_symmetric": "unary",
+    "convex": "unary",
+    "area_fraction": "unary",
+    "parallel": "nary",
+    "coaxial": "nary",
+    "similar": "nary",
+}
+PARAMETERS = {"rotational_symmetric": {"n": 2}, "area_fraction": {"min": 0.0, "max": 1.0}}
 
 
 def test_nothing_heavy_is_imported():
@@ -49,19 +59,19 @@ def test_bundle_is_found_whole():
         assert component.spec.summary
 
 
-def test_objectives_are_those_of_section_10():
+def test_objectives_are_those_of_sections_3_and_10():
     found = {}
     for spec in plugin.moseg_objectives():
         target = registry().find("objective", f"basic:{spec.name}").load()
         assert isinstance(target, Objective)
         assert target.__name__ == spec.name
-        assert target.parameters == ()
+        assert {p.name: p.default for p in target.parameters} == PARAMETERS.get(spec.name, {})
         low, high = target.traits.range
         assert low == 0 < high
         everything = {"rigid", "scale", "reflection", "order", "tessellation"}
         assert target.traits.invariant_to == everything
         found[spec.name] = target.traits.arity
-    assert found == SECTION_10
+    assert found == SECTION_10 | SECTION_3
 
 
 def test_only_convex_parts_needs_a_volume():

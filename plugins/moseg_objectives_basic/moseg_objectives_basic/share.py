@@ -1,0 +1,65 @@
+"""An objective on how much of the shape a part takes up: area_fraction. 0 is best.
+
+The objectives of Sec. 10 have no opinion on sizes, and some are best for a sliver of a part:
+``narrow`` of a few faces in a row, ``flat`` of a single one. Bounds on the share of the whole
+surface keep a part from getting there.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from moseg_core import Interval, Part, UsageError, objective
+
+
+@objective(range=(0, 1), invariant_to=("rigid", "scale", "reflection", "order", "tessellation"))
+def area_fraction(
+    part: Part,
+    *,
+    min: Annotated[float, Interval(0, 1)] = 0.0,
+    max: Annotated[float, Interval(0, 1)] = 1.0,
+) -> float:
+    """0 while a part's share of the shape's area is within bounds: its distance from them.
+
+    Parameters
+    ----------
+    part : Part
+    min, max : float
+        Bounds of the share, 0 to 1. Without either the value is always 0.
+
+    Returns
+    -------
+    float
+        ``max(min - share, share - max, 0)`` with ``share`` the part's area over that of the
+        whole shape. 0 within the bounds, growing linearly outside, at most 1; 0 is best.
+
+    Raises
+    ------
+    UsageError
+        ``min`` is greater than ``max``.
+
+    Notes
+    -----
+    Linear outside, so that a search is led back at the same rate from everywhere; flat inside,
+    so that it then leaves the decision to the other terms. What it keeps out is a matter of its
+    weight. The area is the surface's: a part that is thick counts no more than one that is thin.
+
+    Examples
+    --------
+    >>> from moseg_core import Problem, Shape
+    >>> strip = Shape.from_mesh(
+    ...     [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [5, 0, 0], [5, 1, 0]],
+    ...     [[0, 1, 2, 3], [1, 4, 5, 2]])
+    >>> found = Problem(["a", "b"], "area_fraction(a, b, min=0.3)").evaluate(strip, [0, 1])
+    >>> round(found.cost.value, 12)
+    0.1
+    """
+    if min > max:
+        raise UsageError(
+            f"'area_fraction' allows no share at all with min={min:g} and max={max:g};"
+            f" min must not be greater than max"
+        )
+    share = part.area / part.shape.area
+    if share < min:
+        return float(min - share)
+    return float(share - max) if share > max else 0.0
