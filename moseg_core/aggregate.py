@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 from moseg_core.binding import BoundTerm
 from moseg_core.cost import Cost
-from moseg_core.errors import PluginError
+from moseg_core.errors import PluginError, UsageError
 from moseg_core.plugins import describe
 from moseg_core.segmentation import Segmentation
 
@@ -184,6 +184,8 @@ def call_value(
         )
         try:
             value = float(term.objective(subject, **term.parameters))
+        except UsageError as error:  # it says what is wrong with its parameters
+            raise UsageError(f"in {where}: {error}") from error
         except Exception as error:  # a stranger's objective may raise anything
             raise PluginError(
                 f"objective '{term.id}' of {term.distribution} failed in {where}: {describe(error)}"

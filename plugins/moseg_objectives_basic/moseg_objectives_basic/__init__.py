@@ -1,1 +1,1 @@
-"""moseg's basic objectives: what Section 10 of the paper defines, one formula a function."""
+"""moseg's basic objectives: what the paper defines in Section 10 or names in Section 3."""
