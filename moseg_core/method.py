@@ -97,7 +97,8 @@ SETTINGS = ("default", "paper")
 
 _KINDS: tuple[Kind, ...] = ("parameterization", "seeder", "labeler", "optimizer")
 _DEFAULT_RESOLUTION = 2000
-_DEFAULT_RESTARTS = 4
+_DEFAULT_RESTARTS = 2
+_DEFAULT_EVOLUTION = {"population": 30, "iterations": 12}
 
 
 def settled(method: Method, settings: str) -> Method:
@@ -108,7 +109,7 @@ def settled(method: Method, settings: str) -> Method:
     method : Method
     settings : str
         ``paper``: the method's components with the paper's parameters, which are their own
-        defaults, one start, full resolution. ``default``: 2000 super-elements and four starts
+        defaults, one start, full resolution. ``default``: 2000 super-elements and two starts
         where the method does not say otherwise; one where it limits the evaluations.
 
     Raises
@@ -135,6 +136,20 @@ def settled(method: Method, settings: str) -> Method:
         resolution=_DEFAULT_RESOLUTION if method.resolution is None else method.resolution,
         restarts=method.restarts or (1 if limited else _DEFAULT_RESTARTS),
     )
+
+
+def tuned(choice: Choice, settings: str) -> Choice:
+    """A component under the settings, which decide where it comes without parameters.
+
+    Examples
+    --------
+    >>> str(tuned(Choice("evolution"), "default")), str(tuned(Choice("evolution"), "paper"))
+    ('evolution(population=30, iterations=12)', 'evolution')
+    """
+    name = choice.name.removeprefix("core:")
+    if settings == "default" and name == "evolution" and not choice.parameters:
+        return Choice(choice.name, _DEFAULT_EVOLUTION)
+    return choice
 
 
 def read_resolution(given: object) -> int | str:

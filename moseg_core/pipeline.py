@@ -29,6 +29,7 @@ from moseg_core.method import (
     read_resolution,
     read_restarts,
     settled,
+    tuned,
 )
 from moseg_core.pins import Pins, read_pins
 from moseg_core.problem import Problem
@@ -124,7 +125,7 @@ def segment(
     >>> result.labels.shape == (shape.n_elements,)
     True
     """
-    given = {
+    given: dict[Kind, str | Mapping[str, Any] | Choice | None] = {
         "parameterization": parameterization,
         "seeder": seeder,
         "labeler": labeler,
@@ -136,9 +137,13 @@ def segment(
         "restarts": chosen.restarts if restarts is None else restarts,
     }
     size, starts = read_resolution(extent["resolution"]), read_restarts(extent["restarts"])
+    given["seeder"] = tuned(
+        chosen.seeder if seeder is None else Choice.read(seeder, "seeder"), settings
+    )
     ready = prepare_method(problem, chosen, given)
-    if restarts is None and ready["optimizer"].parameters.get("max_evaluations") is not None:
-        starts = (method or Method()).restarts or 1
+    limited = ready["optimizer"].parameters.get("max_evaluations") is not None
+    if restarts is None and limited and (method is None or method.restarts is None):
+        starts = 1
     if seed < 0:
         raise UsageError(f"the seed must not be negative, and is {seed}")
     if size != "full" and int(size) < len(problem.labels):

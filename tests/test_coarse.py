@@ -96,7 +96,9 @@ def test_many_bits_are_grouped_by_nearness():
     assert coarse.n_elements < 40
     assert len(coarse.adjacency.indices) == 0
     reach = np.linalg.norm(soup.points - coarse.points[coarse.members], axis=1)
-    assert reach.mean() < 0.5 * np.linalg.norm(soup.points - soup.points.mean(axis=0), axis=1).mean()
+    assert (
+        reach.mean() < 0.5 * np.linalg.norm(soup.points - soup.points.mean(axis=0), axis=1).mean()
+    )
 
 
 def test_without_adjacency_elements_are_grouped_by_nearness():
@@ -105,7 +107,10 @@ def test_without_adjacency_elements_are_grouped_by_nearness():
     coarse = coarsen(replace(BALL, adjacency=None), 60)
     assert coarse.adjacency is None
     assert 50 <= coarse.n_elements <= 70
-    assert Segmentation.from_labels(coarse, np.zeros(coarse.n_elements, int), 1).parts[0].n_components == 1
+    assert (
+        Segmentation.from_labels(coarse, np.zeros(coarse.n_elements, int), 1).parts[0].n_components
+        == 1
+    )
 
 
 def test_it_is_the_same_every_time(shape):
