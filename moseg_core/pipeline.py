@@ -125,7 +125,7 @@ def segment(
     >>> result.labels.shape == (shape.n_elements,)
     True
     """
-    given: dict[Kind, str | Mapping[str, Any] | Choice | None] = {
+    given: dict[str, str | Mapping[str, Any] | Choice | None] = {
         "parameterization": parameterization,
         "seeder": seeder,
         "labeler": labeler,
