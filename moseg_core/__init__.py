@@ -39,6 +39,7 @@ _HOMES = {
     "hookimpl": "hookspecs",
     "registry": "plugins",
     "Shape": "shape",
+    "coarsen": "coarse",
     "Part": "part",
     "Segmentation": "segmentation",
     "Cost": "cost",
@@ -65,6 +66,7 @@ __all__ = ["__version__", *_HOMES]
 
 if TYPE_CHECKING:
     from moseg_core.aggregate import Evaluation as Evaluation
+    from moseg_core.coarse import coarsen as coarsen
     from moseg_core.cost import Cost as Cost
     from moseg_core.errors import ExpressionError as ExpressionError
     from moseg_core.errors import MosegError as MosegError

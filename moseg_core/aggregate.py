@@ -168,10 +168,10 @@ def call_value(
     if leaves_out(term, call, empty):
         return None
     parts = segmentation.parts
-    shape = segmentation.shape
+    level = segmentation.level
     concerned = range(len(parts)) if term.objective.traits.arity == "global" else call
     members = tuple(parts[k].membership for k in concerned)
-    key = (*term.memo_key, members, *shape.key)
+    key = (*term.memo_key, members, *level.key)
 
     def compute() -> float:
         subject: object = segmentation

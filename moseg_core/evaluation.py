@@ -45,6 +45,8 @@ class Evaluator:
         Elements that must bear a label; each that does not counts like an empty part.
     memo : Memo, optional
         Shared values; a memory of its own by default.
+    input : Evaluator, optional
+        Where `shape` is a coarse one, the same on the shape of input elements.
 
     Attributes
     ----------
@@ -60,6 +62,7 @@ class Evaluator:
         *,
         pins: Pins = NO_PINS,
         memo: Memo | None = None,
+        input: Evaluator | None = None,
     ) -> None:
         problem.check(shape)
         self.shape = shape
@@ -68,6 +71,7 @@ class Evaluator:
         self.pins = pins
         self.memo = Memo() if memo is None else memo
         self.evaluations = 0
+        self.input = self if input is None else input
         self._measures = measure_resolver(problem.registry)
 
     def labels(self, vector: FloatArray) -> Int32Array:
@@ -135,7 +139,7 @@ class Evaluator:
             self.problem.terms,
             self.problem.labels,
             permuted,
-            broken_pins=self.pins.broken(permuted.labels),
+            broken_pins=self.pins.broken(permuted.level_labels),
         ).cost
 
     def labelled_costs(self, vectors: FloatArray) -> list[tuple[IntArray, Cost]]:
@@ -198,7 +202,7 @@ class _Candidate:
         self.names = evaluator.problem.labels
         self.segmentation = segmentation
         self.empty: list[bool] = segmentation.summary.empty(segmentation.shape).tolist()
-        self.violations = sum(self.empty) + evaluator.pins.broken(segmentation.labels)
+        self.violations = sum(self.empty) + evaluator.pins.broken(segmentation.level_labels)
         self.values: Values = [
             [None if leaves_out(term, call, self.empty) else _least(term) for call in term.calls]
             for term in self.terms

@@ -2,16 +2,20 @@
 
 A choice is written like a call of the expression language, ``pattern_search(expansion=2)``, or
 in a recipe as a table with a ``name``. It is looked up and checked before any shape is read.
+
+How fine and how often to search belongs to the method too. What it leaves open is decided by the
+*settings*: ``paper`` is the method as published, ``default`` what measurements on horses and
+hammers recommend (``benchmarks/stages.py``).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
-from moseg_core.errors import MosegError, PluginError, UsageError
+from moseg_core.errors import MosegError, PluginError, UsageError, unknown
 from moseg_core.language import parse_call
 from moseg_core.language.terms import format_number
 from moseg_core.parameters import check_parameters, declared_parameters
@@ -74,12 +78,120 @@ class Method:
     Parameters
     ----------
     parameterization, seeder, labeler, optimizer : Choice
+    resolution : int, "full" or None
+        Number of super-elements to search on; None leaves it to the settings.
+    restarts : int or None
+        Number of starts; None leaves it to the settings.
     """
 
     parameterization: Choice = Choice("voronoi")
     seeder: Choice = Choice("kmeans")
     labeler: Choice = Choice("hungarian")
     optimizer: Choice = Choice("pattern_search")
+    resolution: int | str | None = None
+    restarts: int | None = None
+
+
+SETTINGS = ("default", "paper")
+"""What decides where the request and the recipe do not."""
+
+_KINDS: tuple[Kind, ...] = ("parameterization", "seeder", "labeler", "optimizer")
+_DEFAULT_RESOLUTION = 2000
+_DEFAULT_RESTARTS = 2
+_DEFAULT_EVOLUTION = {"population": 30, "iterations": 12}
+
+
+def settled(method: Method, settings: str) -> Method:
+    """The method with nothing left open.
+
+    Parameters
+    ----------
+    method : Method
+    settings : str
+        ``paper``: the method's components with the paper's parameters, which are their own
+        defaults, one start, full resolution. ``default``: 2000 super-elements and two starts
+        where the method does not say otherwise; one where it limits the evaluations.
+
+    Raises
+    ------
+    UsageError
+        Unknown settings.
+
+    Examples
+    --------
+    >>> found = settled(Method(seeder=Choice("evolution", {"population": 9})), "paper")
+    >>> str(found.seeder), found.resolution, found.restarts
+    ('evolution', 'full', 1)
+    >>> settled(Method(restarts=2), "default").restarts
+    2
+    """
+    if settings not in SETTINGS:
+        raise UsageError(unknown("settings", settings, SETTINGS))
+    if settings == "paper":
+        plain = {kind: Choice(getattr(method, kind).name) for kind in _KINDS}
+        return Method(**plain, resolution="full", restarts=1)
+    limited = method.optimizer.parameters.get("max_evaluations") is not None
+    return replace(
+        method,
+        resolution=_DEFAULT_RESOLUTION if method.resolution is None else method.resolution,
+        restarts=method.restarts or (1 if limited else _DEFAULT_RESTARTS),
+    )
+
+
+def tuned(choice: Choice, settings: str) -> Choice:
+    """A component under the settings, which decide where it comes without parameters.
+
+    Examples
+    --------
+    >>> str(tuned(Choice("evolution"), "default")), str(tuned(Choice("evolution"), "paper"))
+    ('evolution(population=30, iterations=12)', 'evolution')
+    """
+    name = choice.name.removeprefix("core:")
+    if settings == "default" and name == "evolution" and not choice.parameters:
+        return Choice(choice.name, _DEFAULT_EVOLUTION)
+    return choice
+
+
+def read_resolution(given: object) -> int | str:
+    """A number of super-elements, or "full".
+
+    Raises
+    ------
+    UsageError
+        Anything else.
+
+    Examples
+    --------
+    >>> read_resolution("2000"), read_resolution("full")
+    (2000, 'full')
+    """
+    if given == "full":
+        return "full"
+    if isinstance(given, str) and given.isdecimal():
+        given = int(given)
+    if isinstance(given, bool) or not isinstance(given, int) or given < 1:
+        raise UsageError(
+            f"the resolution must be 'full' or a number of super-elements, such as 2000, not"
+            f" {given!r}"
+        )
+    return given
+
+
+def read_restarts(given: object) -> int:
+    """A number of starts, as a number or in digits.
+
+    Raises
+    ------
+    UsageError
+        Anything else.
+    """
+    if isinstance(given, str) and given.isdecimal():
+        given = int(given)
+    if isinstance(given, bool) or not isinstance(given, int):
+        raise UsageError(f"the number of starts must be a whole number, not {given!r}")
+    if given < 1:
+        raise UsageError(f"there must be at least one start, not {given}")
+    return given
 
 
 @dataclass(frozen=True, kw_only=True)

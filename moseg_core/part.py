@@ -7,6 +7,10 @@ come from exact sums over the elements; vertices and triangles are at hand for e
 Measures that need a library of their own (a hull volume, a distance to a surface) are provided
 by plugins and asked for by id, ``part.measure("basic:hull_volume")``. They are computed once per
 part and shared by all objectives.
+
+During a search on a coarse shape (:mod:`moseg_core.coarse`) a part is a union of super-elements.
+All that it says of itself is still about the user's shape and its elements; only
+:attr:`Part.level` tells.
 """
 
 from __future__ import annotations
@@ -35,12 +39,13 @@ class Part:
 
     Parameters
     ----------
-    shape : Shape
-        The whole that this is a part of.
-    labels : (F,) int32
+    level : Shape
+        The shape whose elements were labelled: the user's own, or a coarse one made from it.
+    level_labels : (F of `level`,) int32
         The labelling, of which the part is the elements equal to `index`.
     index : int
     n_elements : int
+        Number of the user's elements.
     membership : (int, int)
         128-bit hash of the elements' numbers.
     moments : (10,) float
@@ -60,14 +65,26 @@ class Part:
     True
     """
 
-    shape: Shape
-    labels: Int32Array
+    level: Shape
+    level_labels: Int32Array
     index: int
     n_elements: int
     membership: tuple[int, int]
     moments: FloatArray
     memo: Memo
     measures: MeasureResolver
+
+    @property
+    def shape(self) -> Shape:
+        """The whole that this is a part of, the user's shape."""
+        return self.level.input
+
+    @cached_property
+    def labels(self) -> Int32Array:
+        """(F,) int32: the labelling of :attr:`shape`; the part is the elements at `index`."""
+        if self.level.members is None:
+            return self.level_labels
+        return self.level_labels[self.level.members]
 
     @property
     def area(self) -> float:
@@ -118,7 +135,12 @@ class Part:
     @cached_property
     def elements(self) -> IntArray:
         """(n_elements,) int: numbers of the part's elements in the shape, ascending."""
-        return np.flatnonzero(self.labels == self.index)
+        return self.level.expand(self.level_elements)
+
+    @cached_property
+    def level_elements(self) -> IntArray:
+        """(k,) int: numbers of the part's elements in :attr:`level`, ascending."""
+        return np.flatnonzero(self.level_labels == self.index)
 
     @property
     def points(self) -> FloatArray:
@@ -190,7 +212,7 @@ class Part:
         own = self._own_measures
         if key not in own:
             if keep:
-                whole = (self.membership, *self.shape.key, *key)
+                whole = (self.membership, *self.level.key, *key)
                 own[key] = self.memo.get(whole, lambda: function(self, **parameters))
             else:
                 own[key] = function(self, **parameters)

@@ -1,5 +1,9 @@
 """The whole method in one call: seed, label, optimise (Sec. 4 to 7).
 
+A shape of many elements is searched on a coarse version of it (:mod:`moseg_core.coarse`). What
+was found there is then partitioned element by element and polished: a short pattern search with
+small steps. The cost in the result is always that of the input elements.
+
 Everything that can be wrong with the request is checked before the work begins: components and
 their parameters first, then whether the shape has what the objectives need.
 """
@@ -14,18 +18,36 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from moseg_core.coarse import coarse_pins, coarsen
 from moseg_core.errors import UsageError, unknown
 from moseg_core.evaluation import Evaluator
-from moseg_core.method import Choice, Method, Ready, prepare
-from moseg_core.pins import read_pins
+from moseg_core.method import (
+    Choice,
+    Method,
+    Ready,
+    prepare,
+    read_resolution,
+    read_restarts,
+    settled,
+    tuned,
+)
+from moseg_core.pins import Pins, read_pins
 from moseg_core.problem import Problem
 from moseg_core.protocols import Centers, Parameterization, Progress, Report
 from moseg_core.result import Result, find_warnings
-from moseg_core.search import Outcome, search_once
+from moseg_core.search import Outcome, polish, search_once
 from moseg_core.shape import Shape
 from moseg_core.specs import Kind
 
 _KINDS: tuple[Kind, ...] = ("parameterization", "seeder", "labeler", "optimizer")
+
+#: A coarse shape is used where it has fewer elements by this factor.
+_WORTH = 1.5
+#: How many of the coarse results are polished, and how.
+_POLISHED = 2
+_POLISH = Choice(
+    "core:pattern_search", {"pattern_size": 0.01, "threshold": 1e-4, "max_evaluations": 500}
+)
 
 
 def segment(
@@ -40,7 +62,9 @@ def segment(
     start: Centers | Result | None = None,
     freeze: Sequence[str] = (),
     pins: Mapping[str, npt.ArrayLike] | None = None,
-    restarts: int = 1,
+    restarts: int | str | None = None,
+    resolution: int | str | None = None,
+    settings: str = "default",
     seed: int = 0,
     max_seconds: float | None = None,
     report: Report | None = None,
@@ -61,9 +85,16 @@ def segment(
         Labels whose centre and weight stay where they start.
     pins : mapping of str to array_like of int, optional
         Elements that must bear a label: ``{"head": [120, 121]}``.
-    restarts : int
+    restarts : int, optional
         Number of starts, each with random numbers of its own. They share a limit on evaluations
-        and seconds; the best result is returned, the costs of all are in its history.
+        and seconds; the best result is returned, the costs of all are in its history. By default
+        what the method or the settings say, and one where it would be the same every time.
+    resolution : int or "full", optional
+        Number of super-elements on which to seed and search, where the shape has more than 1.5
+        times as many elements. By default what the method or the settings say.
+    settings : str
+        What decides where the rest does not: ``default``, or ``paper`` for the paper's
+        parameters, one start and full resolution (see :func:`moseg_core.method.settled`).
     seed : int
         Seed of the random generator; the same seed gives the same result.
     max_seconds : float, optional
@@ -94,44 +125,69 @@ def segment(
     >>> result.labels.shape == (shape.n_elements,)
     True
     """
-    given = {
+    given: dict[str, str | Mapping[str, Any] | Choice | None] = {
         "parameterization": parameterization,
         "seeder": seeder,
         "labeler": labeler,
         "optimizer": optimizer,
     }
-    ready = prepare_method(problem, method or Method(), given)
+    chosen = settled(method or Method(), settings)
+    extent = {
+        "resolution": chosen.resolution if resolution is None else resolution,
+        "restarts": chosen.restarts if restarts is None else restarts,
+    }
+    size, starts = read_resolution(extent["resolution"]), read_restarts(extent["restarts"])
+    given["seeder"] = tuned(
+        chosen.seeder if seeder is None else Choice.read(seeder, "seeder"), settings
+    )
+    ready = prepare_method(problem, chosen, given)
+    limited = ready["optimizer"].parameters.get("max_evaluations") is not None
+    if restarts is None and limited and (method is None or method.restarts is None):
+        starts = 1
     if seed < 0:
         raise UsageError(f"the seed must not be negative, and is {seed}")
-    if restarts < 1:
-        raise UsageError(f"there must be at least one start, not {restarts}")
+    if size != "full" and int(size) < len(problem.labels):
+        raise UsageError(f"a resolution of {size} is too low for {len(problem.labels)} labels")
     frozen = [_label_index(problem, name) for name in freeze]
-    partition: Parameterization = ready["parameterization"].make(shape, len(problem.labels))
-    evaluator = Evaluator(
-        shape,
-        problem,
-        partition,
-        pins=read_pins(pins or {}, problem.labels, shape.n_elements),
-    )
+    begin = _start_centers(start, problem)
+    pinned = read_pins(pins or {}, problem.labels, shape.n_elements)
+    n = len(problem.labels)
+    whole = Evaluator(shape, problem, ready["parameterization"].make(shape, n), pins=pinned)
+    listener = _Listener(report or _silent)
+    deadline = None if max_seconds is None else time.monotonic() + max_seconds
+
+    level = _searched(shape, size, pinned)
+    rough = whole
+    if level is not shape:
+        partition: Parameterization = ready["parameterization"].make(level, n)
+        rough = Evaluator(level, problem, partition, pins=coarse_pins(pinned, level), input=whole)
     outcomes = _all_starts(
-        evaluator,
-        _shared_budget(ready, restarts),
-        restarts,
+        rough,
+        _shared_budget(ready, starts),
+        starts,
         seed,
-        report or _silent,
-        start=_start_centers(start, problem),
+        listener,
+        start=begin,
         frozen=frozen,
-        deadline=None if max_seconds is None else time.monotonic() + max_seconds,
+        deadline=deadline,
+        repeats=restarts is not None,
     )
     best = min(outcomes, key=lambda outcome: outcome.cost)
-    labels = evaluator.labels(best.vector)
-    segmentation = evaluator.segmentation(labels)
-    evaluation = evaluator.evaluate_labels(labels)
+    if rough is not whole:
+        best = _finish(rough, whole, outcomes, listener, frozen=frozen, deadline=deadline)
+    reason = best.reason
+    if listener.stopped:
+        reason = "interrupted"
+    elif "seconds" in (reason, outcomes[-1].reason):
+        reason = "seconds"
+    labels = whole.labels(best.vector)
+    segmentation = whole.segmentation(labels)
+    evaluation = whole.evaluate_labels(labels)
     warnings = [outcome.warning for outcome in outcomes[:1] if outcome.warning]
-    warnings += find_warnings(evaluation, segmentation, problem.labels, best.reason)
-    warnings += _disagreement(outcomes)
+    warnings += find_warnings(evaluation, segmentation, problem.labels, reason)
+    warnings += _disagreement(outcomes) if restarts is not None else []
     history = dict(best.history)
-    if restarts > 1:
+    if starts > 1 and (len(outcomes) > 1 or restarts is not None):
         history["restarts"] = tuple(
             {"value": o.cost.value, "empty": o.cost.empty} for o in outcomes
         )
@@ -140,16 +196,42 @@ def segment(
         problem=problem,
         labels=labels,
         evaluation=evaluation,
-        centers=partition.decode(best.vector),
+        centers=whole.parameterization.decode(best.vector),
         history=history,
         method={
-            kind: str(Choice(ready[kind].component.id, ready[kind].parameters)) for kind in _KINDS
+            **{
+                kind: str(Choice(ready[kind].component.id, ready[kind].parameters))
+                for kind in _KINDS
+            },
+            "settings": settings,
+            "resolution": str(size),
+            "restarts": str(starts),
         },
         seed=seed,
         versions=_versions(problem, ready),
-        reason=best.reason,
+        reason=reason,
         warnings=tuple(warnings),
     )
+
+
+class _Listener:
+    """Passes reports on, and remembers that it was once asked to stop."""
+
+    def __init__(self, report: Report) -> None:
+        self._report = report
+        self.stopped = False
+
+    def __call__(self, progress: Progress) -> bool:
+        self.stopped = bool(self._report(progress)) or self.stopped
+        return self.stopped
+
+
+def _searched(shape: Shape, resolution: int | str, pins: Pins) -> Shape:
+    """The shape to search on: a coarse one where that is clearly smaller."""
+    if resolution == "full" or shape.n_elements <= _WORTH * int(resolution):
+        return shape
+    coarse = coarsen(shape, int(resolution), pins=pins)
+    return coarse if shape.n_elements > _WORTH * coarse.n_elements else shape
 
 
 def _all_starts(
@@ -157,36 +239,80 @@ def _all_starts(
     ready: Mapping[Kind, Ready],
     restarts: int,
     seed: int,
-    report: Report,
+    listener: _Listener,
     *,
     start: Centers | None,
     frozen: Sequence[int],
     deadline: float | None,
+    repeats: bool,
 ) -> list[Outcome]:
-    """Run the search from one start after the other, until asked to stop."""
-    stopped = False
+    """Run the search from one start after the other, until asked to stop.
 
-    def listen(progress: Progress) -> bool:
-        nonlocal stopped
-        stopped = report(progress) or stopped
-        return stopped
-
+    A run that draws no random numbers is the same each time; it is repeated only on request.
+    """
     outcomes: list[Outcome] = []
     for k in range(restarts):
+        rng = np.random.default_rng(seed if k == 0 else [seed, k])
+        fresh = rng.bit_generator.state
         outcomes.append(
             search_once(
                 evaluator,
                 ready,
-                rng=np.random.default_rng(seed if k == 0 else [seed, k]),
-                report=listen,
+                rng=rng,
+                report=listener,
                 start=start,
                 frozen=frozen,
                 deadline=deadline,
             )
         )
-        if stopped or outcomes[-1].reason == "seconds":
+        if listener.stopped or outcomes[-1].reason == "seconds":
+            break
+        if not repeats and rng.bit_generator.state == fresh:
             break
     return outcomes
+
+
+def _finish(
+    rough: Evaluator,
+    whole: Evaluator,
+    outcomes: Sequence[Outcome],
+    listener: _Listener,
+    *,
+    frozen: Sequence[int],
+    deadline: float | None,
+) -> Outcome:
+    """The best of what was found on the coarse shape, by its cost on the whole one.
+
+    All distinct outcomes are partitioned anew and ranked by what they cost now, so that one that
+    loses a part on the way comes after all that do not. The first few are polished.
+    """
+    ready = prepare(_POLISH, "optimizer", whole.problem.registry)
+    found: dict[bytes, Outcome] = {}
+    for outcome in sorted(outcomes, key=lambda outcome: outcome.cost):
+        key = rough.labels(outcome.vector).tobytes()
+        if key not in found:
+            vector = whole.parameterization.encode(rough.parameterization.decode(outcome.vector))
+            cost = whole.evaluate(vector).cost
+            found[key] = replace(outcome, vector=vector, cost=cost)
+    ranked = sorted(found.values(), key=lambda outcome: outcome.cost)
+    polished: list[Outcome] = []
+    for outcome in ranked:
+        over = deadline is not None and time.monotonic() >= deadline
+        if len(polished) == _POLISHED or listener.stopped or over:
+            break
+        better = polish(
+            whole,
+            ready,
+            outcome.vector,
+            rng=np.random.default_rng(0),
+            report=listener,
+            frozen=frozen,
+            deadline=deadline,
+        )
+        reason = "seconds" if better.reason == "seconds" else outcome.reason
+        history = {**outcome.history, **better.history}
+        polished.append(replace(better, reason=reason, history=history, warning=outcome.warning))
+    return min([*polished, *ranked], key=lambda outcome: outcome.cost)
 
 
 def _shared_budget(ready: dict[Kind, Ready], restarts: int) -> dict[Kind, Ready]:

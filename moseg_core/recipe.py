@@ -7,6 +7,8 @@
     minimize = "3*narrow(handle) + perpendicular(handle, head) + convex_parts"
     seeder = "kmeans"                       # optional, as are labeler and optimizer
     optimizer = "pattern_search(expansion=2)"
+    resolution = 2000                       # optional; or "full"
+    restarts = 4                            # optional
 
 Bundles bring recipes through the hook ``moseg_recipes``; anybody else gives a path.
 """
@@ -14,18 +16,22 @@ Bundles bring recipes through the hook ``moseg_recipes``; anybody else gives a p
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from moseg_core.errors import PluginError, UsageError, unknown
-from moseg_core.method import Choice, Method
+from moseg_core.method import Choice, Method, read_resolution, read_restarts
 from moseg_core.plugins import Registry, registry
 from moseg_core.problem import check_label_names
 from moseg_core.specs import Kind
 
 _METHOD_KEYS: tuple[Kind, ...] = ("parameterization", "seeder", "labeler", "optimizer")
+_EXTENT: dict[str, Callable[[object], Any]] = {
+    "resolution": read_resolution,
+    "restarts": read_restarts,
+}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,7 +77,7 @@ def parse_recipe(text: str, name: str) -> Recipe:
         table = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise UsageError(f"recipe '{name}' is not valid TOML: {error}") from error
-    allowed = ("description", "labels", "minimize", *_METHOD_KEYS)
+    allowed = ("description", "labels", "minimize", *_METHOD_KEYS, *_EXTENT)
     for key in table:
         if key not in allowed:
             raise UsageError(f"recipe '{name}': {unknown('key', key, allowed)}")
@@ -80,14 +86,17 @@ def parse_recipe(text: str, name: str) -> Recipe:
     description = _required({"description": ""} | table, "description", str, name)
     try:
         labels = check_label_names(given)
-        choices = {key: Choice.read(table[key], key) for key in _METHOD_KEYS if key in table}
+        choices: dict[str, Any] = {
+            key: Choice.read(table[key], key) for key in _METHOD_KEYS if key in table
+        }
+        extent = {key: read(table[key]) for key, read in _EXTENT.items() if key in table}
     except UsageError as error:
         raise UsageError(f"recipe '{name}': {error}") from error
     return Recipe(
         name=name,
         labels=labels,
         minimize=minimize,
-        method=Method(**choices),
+        method=Method(**choices, **extent),
         description=description,
     )
 

@@ -17,7 +17,15 @@ from moseg_core.cost import Cost
 from moseg_core.errors import PluginError, UsageError
 from moseg_core.evaluation import Evaluator
 from moseg_core.method import Ready
-from moseg_core.protocols import Batch, Centers, Optimizer, Progress, Report, Seeding
+from moseg_core.protocols import (
+    Batch,
+    Centers,
+    Optimizer,
+    Parameterization,
+    Progress,
+    Report,
+    Seeding,
+)
 from moseg_core.specs import Kind
 from moseg_core.types import BoolArray, FloatArray, IntArray
 
@@ -94,9 +102,7 @@ def search_once(
         raise PluginError(f"{ready['seeder'].who} placed centres outside the bounds")
     vector = _towards_pins(evaluator, vector, frozen)
 
-    free = np.ones(len(vector), np.bool_)
-    for label in frozen:
-        free[partition.coordinates(label)] = False
+    free = _free(partition, vector, frozen)
     history = {"seeding": seeding.history if seeding else ()}
     if not free.any():
         cost = evaluator.evaluate(vector).cost
@@ -124,6 +130,64 @@ def search_once(
     )
 
 
+def polish(
+    evaluator: Evaluator,
+    ready: Ready,
+    vector: FloatArray,
+    *,
+    rng: np.random.Generator,
+    report: Report,
+    frozen: Sequence[int] = (),
+    deadline: float | None = None,
+) -> Outcome:
+    """Improve what was found on a coarse shape.
+
+    Parameters
+    ----------
+    evaluator : Evaluator
+        Of the shape of input elements.
+    ready : Ready
+        The optimizer to do it with, a short one.
+    vector : (m,) float
+    rng : numpy.random.Generator
+    report : callable
+    frozen : sequence of int
+        Labels whose centres stay where they are.
+    deadline : float, optional
+        On the clock of :func:`time.monotonic`.
+
+    Returns
+    -------
+    Outcome
+        Its history has the stage "polish".
+    """
+    partition = evaluator.parameterization
+    free = _free(partition, vector, frozen)
+    if not free.any():
+        cost = evaluator.evaluate(vector).cost
+        return Outcome(vector=vector, cost=cost, reason="converged", history={"polish": ()})
+    bounds = partition.lower[free], partition.upper[free], partition.scale[free]
+    search: Optimizer = ready.make(vector[free], *bounds, rng=rng)
+    reason = run_search(
+        search, evaluator, deadline, report, ready=ready, base=vector, free=free, stage="polish"
+    )
+    found, cost = search.best
+    return Outcome(
+        vector=_expand(found[None], vector, free)[0],
+        cost=cost,
+        reason=reason,
+        history={"polish": search.history},
+    )
+
+
+def _free(partition: Parameterization, vector: FloatArray, frozen: Sequence[int]) -> BoolArray:
+    """(m,) bool: the coordinates that do not belong to a frozen label."""
+    free = np.ones(len(vector), np.bool_)
+    for label in frozen:
+        free[partition.coordinates(label)] = False
+    return free
+
+
 def run_search(
     search: Optimizer,
     evaluator: Evaluator,
@@ -133,6 +197,7 @@ def run_search(
     ready: Ready,
     base: FloatArray,
     free: BoolArray,
+    stage: str = "",
 ) -> str:
     """Ask and tell until the optimizer has finished or the time is up; the reason it ended.
 
@@ -149,8 +214,10 @@ def run_search(
         Values of the coordinates that are not free.
     free : (m,) bool
         The coordinates that the optimizer sees.
+    stage : str
+        What to call it in reports; by default as the component is called.
     """
-    stage = ready.component.spec.name
+    stage = stage or ready.component.spec.name
     before = evaluator.evaluations
     with ready.guard():
         finished = search.finished

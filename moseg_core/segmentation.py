@@ -3,6 +3,9 @@
 The bridge between labellings and objectives. One pass of
 :func:`moseg_core.kernels.moments.summarize_parts` over the elements gives every part its size,
 membership hash and moments; a part then measures the rest of itself on demand.
+
+The labels may be those of a coarse shape (:mod:`moseg_core.coarse`). What an objective sees is the
+same: the user's shape, a label for each of its elements, parts made of them.
 """
 
 from __future__ import annotations
@@ -28,7 +31,7 @@ class Summary:
     Parameters
     ----------
     counts : (n,) int
-        Number of elements.
+        Number of input elements.
     hashes : (n, 2) uint64
         Which elements.
     moments : (n, 10) float
@@ -47,8 +50,18 @@ class Summary:
         counts = np.empty(n_parts, np.int64)
         hashes = np.empty((n_parts, 2), np.uint64)
         moments = np.empty((n_parts, 10))
-        first = shape.first_moments
-        summarize_parts(labels, shape.areas, first, shape.second_moments, counts, hashes, moments)
+        summarize_parts(
+            labels,
+            shape.areas,
+            shape.first_moments,
+            shape.second_moments,
+            shape.element_hashes,
+            counts,
+            hashes,
+            moments,
+        )
+        if shape.fine is not None:
+            counts = np.bincount(labels, shape.sizes, n_parts).astype(np.int64)
         return cls(counts=counts, hashes=hashes, moments=moments)
 
     def empty(self, shape: Shape) -> BoolArray:
@@ -71,8 +84,9 @@ class Segmentation:
 
     Parameters
     ----------
-    shape : Shape
-    labels : (F,) int32
+    level : Shape
+        The shape whose elements were labelled: the user's own, or a coarse one made from it.
+    level_labels : (F of `level`,) int32
         Part of each element, 0 to ``n_parts - 1``.
     n_parts : int
     summary : Summary
@@ -80,12 +94,24 @@ class Segmentation:
     measures : MeasureResolver
     """
 
-    shape: Shape
-    labels: Int32Array
+    level: Shape
+    level_labels: Int32Array
     n_parts: int
     summary: Summary
     memo: Memo
     measures: MeasureResolver
+
+    @property
+    def shape(self) -> Shape:
+        """The user's shape."""
+        return self.level.input
+
+    @cached_property
+    def labels(self) -> Int32Array:
+        """(F,) int32: part of each element of :attr:`shape`."""
+        if self.level.members is None:
+            return self.level_labels
+        return self.level_labels[self.level.members]
 
     @classmethod
     def from_labels(
@@ -112,8 +138,8 @@ class Segmentation:
         """
         array = checked_labels(shape, labels, n_parts)
         return cls(
-            shape=shape,
-            labels=array,
+            level=shape,
+            level_labels=array,
             n_parts=n_parts,
             summary=Summary.of(shape, array, n_parts),
             memo=Memo() if memo is None else memo,
@@ -125,8 +151,8 @@ class Segmentation:
         rank = np.empty(self.n_parts, np.int32)
         rank[order] = np.arange(self.n_parts, dtype=np.int32)
         return Segmentation(
-            shape=self.shape,
-            labels=rank[self.labels],
+            level=self.level,
+            level_labels=rank[self.level_labels],
             n_parts=self.n_parts,
             summary=Summary(
                 counts=self.summary.counts[order],
@@ -144,8 +170,8 @@ class Segmentation:
         hashes = self.summary.hashes.tolist()
         return tuple(
             Part(
-                shape=self.shape,
-                labels=self.labels,
+                level=self.level,
+                level_labels=self.level_labels,
                 index=k,
                 n_elements=counts[k],
                 membership=(hashes[k][0], hashes[k][1]),

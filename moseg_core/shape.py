@@ -29,7 +29,7 @@ import numpy.typing as npt
 from moseg_core.adjacency import Adjacency, enclosed_volume, mesh_adjacency
 from moseg_core.errors import ShapeError
 from moseg_core.mesh import PolygonMesh
-from moseg_core.types import FloatArray
+from moseg_core.types import FloatArray, IntArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,6 +84,11 @@ class Shape:
         What was noticed on the way in: degenerate faces, several components, holes.
     space, resolution : str
         Which version of the user's shape this is; part of every memo key.
+    fine : Shape or None
+        The shape whose elements are grouped here (:func:`moseg_core.coarse.coarsen`); None where
+        the elements are those of the input.
+    members : (F of `fine`,) int or None
+        For each element of `fine` the element here that it belongs to.
     """
 
     points: FloatArray
@@ -98,6 +103,8 @@ class Shape:
     notes: tuple[str, ...] = ()
     space: str = "original"
     resolution: str = "full"
+    fine: Shape | None = None
+    members: IntArray | None = None
     name: str = field(default="shape")
 
     @classmethod
@@ -174,6 +181,57 @@ class Shape:
     def n_elements(self) -> int:
         """Number of surface elements, F."""
         return len(self.areas)
+
+    @property
+    def input(self) -> Shape:
+        """The shape of input elements: `fine`, or the shape itself."""
+        return self if self.fine is None else self.fine
+
+    @cached_property
+    def sizes(self) -> IntArray:
+        """(F,) int: how many input elements each element stands for."""
+        if self.members is None:
+            return np.ones(self.n_elements, np.int64)
+        return np.bincount(self.members, minlength=self.n_elements)
+
+    @cached_property
+    def element_hashes(self) -> npt.NDArray[np.uint64]:
+        """(F, 2) uint64: membership hash of each element, the sum over its input elements."""
+        from moseg_core.kernels.moments import hash_elements
+
+        hashes = np.zeros((self.n_elements, 2), np.uint64)
+        if self.fine is None or self.members is None:
+            hash_elements(hashes)
+        else:
+            np.add.at(hashes, self.members, self.fine.element_hashes)
+        return hashes
+
+    @cached_property
+    def _ranked(self) -> tuple[IntArray, IntArray]:
+        """Input elements in the order of the elements here, and where each of these begins."""
+        assert self.members is not None  # asked of coarse shapes only
+        order = np.argsort(self.members, kind="stable")
+        return order, np.concatenate([[0], np.cumsum(self.sizes)])
+
+    def expand(self, elements: IntArray) -> IntArray:
+        """Numbers of the input elements, ascending, that certain elements stand for.
+
+        Parameters
+        ----------
+        elements : (k,) int
+
+        Returns
+        -------
+        (l,) int
+            The elements themselves where the shape is not a coarse one.
+        """
+        if self.members is None:
+            return elements
+        order, starts = self._ranked
+        sizes = self.sizes[elements]
+        before = np.cumsum(sizes) - sizes
+        inside = np.arange(int(sizes.sum())) - np.repeat(before, sizes)
+        return np.sort(order[np.repeat(starts[elements], sizes) + inside])
 
     @cached_property
     def unit_points(self) -> FloatArray:

@@ -41,7 +41,7 @@ class UnaryCosts:
 
     def __init__(self, problem: Problem, segmentation: Segmentation, pins: Pins = NO_PINS) -> None:
         n = len(problem.labels)
-        self._broken = pins.broken_by_part(segmentation.labels, n)
+        self._broken = pins.broken_by_part(segmentation.level_labels, n)
         self._segmentation = segmentation
         self._empty: list[bool] = segmentation.summary.empty(segmentation.shape).tolist()
         self._terms = [

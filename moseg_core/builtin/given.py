@@ -41,10 +41,11 @@ class Given:
         """
         labels = evaluator.problem.labels
         centers = parse_centers(self.centers, labels)
-        vector = evaluator.parameterization.encode(
+        # Super-elements may be too large for a small part that the input elements can make.
+        vector = evaluator.input.parameterization.encode(
             Centers(positions=centers, weights=np.ones(len(labels)))
         )
-        for name in evaluator.evaluate(vector).empty:
+        for name in evaluator.input.evaluate(vector).empty:
             raise UsageError(
                 f"centers: label '{name}' gets no part of the surface, since other centres are"
                 f" nearer everywhere; move its centre to where the part is"

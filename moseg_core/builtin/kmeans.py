@@ -55,8 +55,9 @@ class KMeans:
             moved = _update(shape.points, shape.frame.center, centers, summary)
             step = float(np.linalg.norm(moved - centers, axis=1).max()) / shape.frame.scale
             history.append({"round": round_, "largest_step": step})
-            report(Progress(stage="k-means", done=round_))
             centers = moved
+            if report(Progress(stage="k-means", done=round_)):
+                break
         return Seeding(centers=centers, history=tuple(history))
 
 

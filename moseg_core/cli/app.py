@@ -49,7 +49,9 @@ def segment(
     start: Path | None = None,
     pin: Repeated = None,
     freeze: str | None = None,
-    restarts: int = 1,
+    restarts: int | None = None,
+    resolution: str | None = None,
+    settings: Literal["default", "paper"] = "default",
     seed: int = 0,
     max_seconds: float | None = None,
     out: Outputs = None,
@@ -91,6 +93,10 @@ def segment(
         Labels, separated by commas, whose centres stay where they start.
     restarts
         Number of starts; the best result is kept. They share limits on evaluations and seconds.
+    resolution
+        Number of super-elements to search on, or "full"; the result is always exact.
+    settings
+        "paper" for the paper's parameters, one start, full resolution.
     seed
         Seed of the random generator.
     max_seconds
@@ -113,6 +119,8 @@ def segment(
         pins=pin or [],
         freeze=freeze,
         restarts=restarts,
+        resolution=resolution,
+        settings=settings,
         seed=seed,
         max_seconds=max_seconds,
         outputs=out or [],

@@ -16,7 +16,7 @@ from moseg_core.cli.request import read_pins, read_problem, read_start, start_ce
 from moseg_core.errors import UsageError
 from moseg_core.io.files import check_output, load, save
 from moseg_core.io.writers import evaluation_document
-from moseg_core.method import Choice, Method
+from moseg_core.method import Choice, read_resolution
 from moseg_core.pipeline import prepare_method, segment
 from moseg_core.result import Result
 
@@ -32,7 +32,9 @@ def run_segment(
     start: Path | None,
     pins: Sequence[str],
     freeze: str | None,
-    restarts: int,
+    restarts: int | None,
+    resolution: str | None,
+    settings: str,
     seed: int,
     max_seconds: float | None,
     outputs: list[Path],
@@ -42,8 +44,10 @@ def run_segment(
     """Check everything that can be checked, then read, search, write and print."""
     earlier = read_start(start)
     problem, method = read_problem(recipe, labels, minimize, start=earlier)
-    method = _with_choices(method, choices, centers)
-    prepare_method(problem, method)
+    chosen = _read_choices(choices, centers)
+    prepare_method(problem, method, chosen)
+    if resolution is not None:
+        read_resolution(resolution)
     begin = start_centers(earlier, problem)
     pinned = read_pins(pins)
     for output in outputs:
@@ -59,10 +63,13 @@ def run_segment(
             shape,
             problem,
             method=method,
+            **chosen,
             start=begin,
             freeze=[name.strip() for name in freeze.split(",")] if freeze else [],
             pins=pinned,
             restarts=restarts,
+            resolution=resolution,
+            settings=settings,
             seed=seed,
             max_seconds=max_seconds,
             report=lambda progress: show(progress) or stop(),
@@ -81,8 +88,8 @@ def run_segment(
         raise KeyboardInterrupt
 
 
-def _with_choices(method: Method, choices: Mapping[str, str | None], centers: str | None) -> Method:
-    """The method with single components replaced."""
+def _read_choices(choices: Mapping[str, str | None], centers: str | None) -> dict[str, Any]:
+    """The components to use instead of the method's."""
     chosen: dict[str, Any] = {
         kind: Choice.read(text, kind)  # type: ignore[arg-type]  # the keys are kinds
         for kind, text in choices.items()
@@ -94,12 +101,7 @@ def _with_choices(method: Method, choices: Mapping[str, str | None], centers: st
                 f"--centers goes with the seeder 'given', not '{chosen['seeder'].name}'"
             )
         chosen["seeder"] = Choice("given", {"centers": centers})
-    rest = {
-        kind: getattr(method, kind)
-        for kind in ("parameterization", "seeder", "labeler", "optimizer")
-        if kind not in chosen
-    }
-    return Method(**chosen, **rest)
+    return chosen
 
 
 def _summary(result: Result) -> dict[str, Any]:

@@ -7,7 +7,9 @@ under the part's hash equals one computed anew, to the last bit.
 
 The hash is the sum, modulo 2**64 and twice with different constants, of a mixed element number
 (the finaliser of SplitMix64; Steele, Lea, Flood 2014, doi:10.1145/2660193.2660195). It does not
-depend on the order of the elements or on the process.
+depend on the order of the elements or on the process. Since it is a sum, the hash of a
+super-element (:mod:`moseg_core.coarse`) is that of its members, and equal parts have equal hashes
+on every level.
 """
 
 from __future__ import annotations
@@ -30,11 +32,26 @@ def _mix(x: Any) -> Any:
 
 
 @njit(cache=True, nogil=True)
+def hash_elements(hashes: npt.NDArray[np.uint64]) -> None:
+    """The two hashes of each element's number.
+
+    Parameters
+    ----------
+    hashes : (F, 2) uint64, written
+    """
+    for f in range(hashes.shape[0]):
+        number = np.uint64(f + 1)
+        hashes[f, 0] = _mix(number * np.uint64(0x9E3779B97F4A7C15))
+        hashes[f, 1] = _mix(number * np.uint64(0xD1B54A32D192ED03) + np.uint64(1))
+
+
+@njit(cache=True, nogil=True)
 def summarize_parts(
     labels: Int32Array,
     areas: FloatArray,
     first: FloatArray,
     second: FloatArray,
+    element_hashes: npt.NDArray[np.uint64],
     counts: IntArray,
     hashes: npt.NDArray[np.uint64],
     moments: FloatArray,
@@ -50,6 +67,7 @@ def summarize_parts(
         Area times centroid, about the shape's centre.
     second : (F, 6) float
         xx, xy, xz, yy, yz, zz.
+    element_hashes : (F, 2) uint64
     counts : (n,) int64, written
     hashes : (n, 2) uint64, written
     moments : (n, 10) float, written
@@ -61,9 +79,8 @@ def summarize_parts(
     for f in range(labels.shape[0]):
         k = labels[f]
         counts[k] += 1
-        number = np.uint64(f + 1)
-        hashes[k, 0] += _mix(number * np.uint64(0x9E3779B97F4A7C15))
-        hashes[k, 1] += _mix(number * np.uint64(0xD1B54A32D192ED03) + np.uint64(1))
+        hashes[k, 0] += element_hashes[f, 0]
+        hashes[k, 1] += element_hashes[f, 1]
         moments[k, 0] += areas[f]
         for j in range(3):
             moments[k, 1 + j] += first[f, j]

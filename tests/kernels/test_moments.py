@@ -8,7 +8,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from moseg_core.kernels.moments import summarize_parts
+from moseg_core.kernels.moments import hash_elements, summarize_parts
 from tests.references import membership_hash
 
 HASHES = [
@@ -23,7 +23,11 @@ def summarize(labels, areas, first, second, n):
     counts = np.full(n, 9, np.int64)
     hashes = np.full((n, 2), 9, np.uint64)
     moments = np.full((n, 10), 9.0)
-    summarize_parts(np.asarray(labels, np.int32), areas, first, second, counts, hashes, moments)
+    of_elements = np.full((len(labels), 2), 9, np.uint64)
+    hash_elements(of_elements)
+    summarize_parts(
+        np.asarray(labels, np.int32), areas, first, second, of_elements, counts, hashes, moments
+    )
     return counts, hashes, moments
 
 

@@ -10,6 +10,8 @@ one. What a centroid misses of a square within its piece is at most 1/4800 of th
 Distances are to the surface, not to its vertices, from libigl's bounding-box tree. To a needle
 less than about a millionth as wide as it is long they may come out too large, never too small;
 beside a wider triangle this does not show.
+
+On a part of a coarse shape both are thinned out (:mod:`moseg_objectives_basic.thinned`).
 """
 
 from __future__ import annotations
@@ -22,6 +24,7 @@ import numpy as np
 import numpy.typing as npt
 
 from moseg_core import Part
+from moseg_objectives_basic.thinned import thinned
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -41,6 +44,10 @@ def surface_samples(part: Part) -> tuple[FloatArray, FloatArray]:
     weights : (k,) float, model units squared
         They add up to the part's area.
     """
+    few = thinned(part)
+    found = few.samples(part) if few else None
+    if found is not None:
+        return found
     corners = part.vertices[part.triangles]
     edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
     # A side as long as the box's diagonal is common; its number must not hang on rounding.
@@ -98,8 +105,11 @@ def surface_tree(part: Part) -> SurfaceTree:
     -------
     SurfaceTree
     """
-    vertices = np.ascontiguousarray(part.vertices)
-    triangles = np.ascontiguousarray(part.triangles)
+    few = thinned(part)
+    found = few.surface(part) if few else None
+    if found is None:
+        found = part.vertices, part.triangles
+    vertices, triangles = np.ascontiguousarray(found[0]), np.ascontiguousarray(found[1])
     tree = igl.AABB()
     tree.init(vertices, triangles)
     return SurfaceTree(vertices, triangles, tree)

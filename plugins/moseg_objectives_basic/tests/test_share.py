@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from moseg_objectives_basic.share import area_fraction
 
-from moseg_core import ExpressionError, PluginError, Problem, Shape, UsageError
+from moseg_core import ExpressionError, Problem, Shape, UsageError
 
 
 @pytest.fixture(scope="module")
