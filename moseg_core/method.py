@@ -97,8 +97,8 @@ SETTINGS = ("default", "paper")
 
 _KINDS: tuple[Kind, ...] = ("parameterization", "seeder", "labeler", "optimizer")
 _DEFAULT_RESOLUTION = 2000
-_DEFAULT_RESTARTS = 2
-_DEFAULT_EVOLUTION = {"population": 30, "iterations": 12}
+_DEFAULT_RESTARTS = 3
+_DEFAULT_EVOLUTION = {"population": 20, "iterations": 8}
 
 
 def settled(method: Method, settings: str) -> Method:
@@ -109,7 +109,7 @@ def settled(method: Method, settings: str) -> Method:
     method : Method
     settings : str
         ``paper``: the method's components with the paper's parameters, which are their own
-        defaults, one start, full resolution. ``default``: 2000 super-elements and two starts
+        defaults, one start, full resolution. ``default``: 2000 super-elements and three starts
         where the method does not say otherwise; one where it limits the evaluations.
 
     Raises
@@ -144,7 +144,7 @@ def tuned(choice: Choice, settings: str) -> Choice:
     Examples
     --------
     >>> str(tuned(Choice("evolution"), "default")), str(tuned(Choice("evolution"), "paper"))
-    ('evolution(population=30, iterations=12)', 'evolution')
+    ('evolution(population=20, iterations=8)', 'evolution')
     """
     name = choice.name.removeprefix("core:")
     if settings == "default" and name == "evolution" and not choice.parameters:

@@ -43,10 +43,12 @@ _KINDS: tuple[Kind, ...] = ("parameterization", "seeder", "labeler", "optimizer"
 
 #: A coarse shape is used where it has fewer elements by this factor.
 _WORTH = 1.5
+#: Where a pattern search on a coarse shape ends by default, in diagonals.
+_ROUGH = 1e-3
 #: How many of the coarse results are polished, and how.
 _POLISHED = 2
 _POLISH = Choice(
-    "core:pattern_search", {"pattern_size": 0.01, "threshold": 1e-4, "max_evaluations": 500}
+    "core:pattern_search", {"pattern_size": 0.01, "threshold": 1e-4, "max_evaluations": 300}
 )
 
 
@@ -163,7 +165,7 @@ def segment(
         rough = Evaluator(level, problem, partition, pins=coarse_pins(pinned, level), input=whole)
     outcomes = _all_starts(
         rough,
-        _shared_budget(ready, starts),
+        _shared_budget(ready if rough is whole else _rougher(ready, settings), starts),
         starts,
         seed,
         listener,
@@ -232,6 +234,15 @@ def _searched(shape: Shape, resolution: int | str, pins: Pins) -> Shape:
         return shape
     coarse = coarsen(shape, int(resolution), pins=pins)
     return coarse if shape.n_elements > _WORTH * coarse.n_elements else shape
+
+
+def _rougher(ready: dict[Kind, Ready], settings: str) -> dict[Kind, Ready]:
+    """The components with the default search ending at steps that super-elements can feel."""
+    optimizer = ready["optimizer"]
+    plain = optimizer.component.id == "core:pattern_search" and not optimizer.parameters
+    if settings != "default" or not plain:
+        return ready
+    return {**ready, "optimizer": replace(optimizer, parameters={"threshold": _ROUGH})}
 
 
 def _all_starts(

@@ -73,12 +73,12 @@ def test_objectives_see_the_users_shape_only(result):
 def test_polishing_does_not_make_it_worse(result):
     values = [record["value"] for record in result.history["polish"]]
     assert values == sorted(values, reverse=True)
-    assert len(result.history["restarts"]) == 2
+    assert len(result.history["restarts"]) == 3
 
 
 def test_the_result_says_how_it_was_made_and_that_can_be_given_again(result):
     assert result.method["resolution"] == "200"
-    assert result.method["restarts"] == "2"
+    assert result.method["restarts"] == "3"
     assert result.method["settings"] == "default"
     again = segment(SHAPE, PROBLEM, **result.method)
     assert again.labels.tobytes() == result.labels.tobytes()
@@ -121,7 +121,7 @@ def test_settings_of_the_paper():
 def test_default_settings_shorten_the_evolution_unless_it_is_described():
     plain = {"optimizer": "pattern_search(max_evaluations=1)", "resolution": 60}
     short = run(seeder="evolution", **plain)
-    assert short.method["seeder"] == "core:evolution(population=30, iterations=12)"
+    assert short.method["seeder"] == "core:evolution(population=20, iterations=8)"
     assert short.method["restarts"] == "1"
     own = run(seeder="evolution(population=3, iterations=2)", **plain)
     assert own.method["seeder"] == "core:evolution(population=3, iterations=2)"

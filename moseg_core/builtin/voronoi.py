@@ -22,6 +22,9 @@ from moseg_core.protocols import Centers
 from moseg_core.shape import Shape
 from moseg_core.types import FloatArray, Int32Array, IntArray
 
+#: Below so many labels to find, threads take longer to start than they save.
+_WORTH_THREADS = 300_000
+
 
 class Voronoi:
     """Weighted Voronoi partitions of a shape into `n_parts` parts.
@@ -87,7 +90,7 @@ class Voronoi:
                 )
 
         workers = min(len(rows), len(os.sched_getaffinity(0)))
-        if workers < 2:
+        if workers < 2 or labels.size < _WORTH_THREADS:
             for b in range(len(rows)):
                 partition(b)
         else:  # the kernels release the GIL, and each row is written by one thread
