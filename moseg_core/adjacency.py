@@ -16,7 +16,7 @@ from scipy import sparse
 from scipy.sparse import csgraph
 
 from moseg_core.mesh import PolygonMesh
-from moseg_core.types import FloatArray, Int32Array, IntArray
+from moseg_core.types import FloatArray, Int32Array, IntArray, frozen
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,6 +32,10 @@ class Adjacency:
 
     indptr: Int32Array
     indices: Int32Array
+
+    def __post_init__(self) -> None:
+        frozen(self.indptr)
+        frozen(self.indices)
 
     @classmethod
     def from_pairs(cls, pairs: IntArray, n_elements: int) -> Adjacency:
@@ -109,11 +113,18 @@ def mesh_adjacency(mesh: PolygonMesh) -> Adjacency:
     return Adjacency.from_pairs(joined, mesh.n_polygons)
 
 
-def enclosed_volume(mesh: PolygonMesh) -> tuple[float | None, str]:
+def enclosed_volume(mesh: PolygonMesh, adjacency: Adjacency) -> tuple[float | None, str]:
     """Volume that the surface encloses, or the reason why it encloses none.
 
     Every edge must be run through as often in one direction as in the other. The volume is then
-    the absolute sum of the signed tetrahedra over the triangles.
+    the absolute sum of the signed tetrahedra over the triangles. Components that are oriented
+    against the others must lie within one of those, as the walls of a cavity do.
+
+    Parameters
+    ----------
+    mesh : PolygonMesh
+    adjacency : Adjacency
+        Of its polygons.
 
     Returns
     -------
@@ -135,10 +146,30 @@ def enclosed_volume(mesh: PolygonMesh) -> tuple[float | None, str]:
         return None, "its faces are not oriented consistently"
     corners = mesh.vertices[mesh.triangles]
     extent = np.ptp(mesh.vertices[mesh.corners], axis=0)
-    volume = abs(signed_volume(corners - corners.reshape(-1, 3).mean(axis=0)))
+    corners = corners - corners.reshape(-1, 3).mean(axis=0)
+    count, component = adjacency.components()
+    if count > 1 and not _cavities_only(corners, component[mesh.triangle_polygon], count):
+        return None, "its components are oriented against each other"
+    volume = abs(signed_volume(corners))
     if volume <= 1e-9 * float(np.linalg.norm(extent)) ** 3:
         return None, "it is flat"
     return volume, ""
+
+
+def _cavities_only(corners: FloatArray, component: IntArray, count: int) -> bool:
+    """Whether components of the lesser orientation lie in the box of one of the other."""
+    signed = np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2]))
+    volumes = np.bincount(component, weights=signed, minlength=count)
+    volumes = volumes * np.sign(volumes.sum())
+    low = np.full((count, 3), np.inf)
+    high = np.full((count, 3), -np.inf)
+    np.minimum.at(low, component, corners.min(axis=1))
+    np.maximum.at(high, component, corners.max(axis=1))
+    outer = np.flatnonzero(volumes > 0)
+    return all(
+        ((low[outer] <= low[k]) & (high[outer] >= high[k])).all(axis=1).any()
+        for k in np.flatnonzero(volumes < 0)
+    )
 
 
 def signed_volume(corners: FloatArray) -> float:

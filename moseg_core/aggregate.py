@@ -77,7 +77,11 @@ class TermValue:
     @property
     def at_worst(self) -> tuple[CallValue, ...]:
         """The calls whose value is as bad as the objective can say."""
-        return tuple(call for call in self.calls if call.value == self.worst)
+        return tuple(
+            call
+            for call in self.calls
+            if call.value is not None and math.isclose(call.value, self.worst, rel_tol=1e-9)
+        )
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -59,7 +59,20 @@ class BoundTerm:
     def memo_key(self) -> tuple[Any, ...]:
         """What tells this objective with these parameters from all others."""
         # The object too: two functions of the calling program may have one name.
-        return (self.id, self.objective, tuple(sorted(self.parameters.items())))
+        return (self.id, _Same(self.objective), tuple(sorted(self.parameters.items())))
+
+
+class _Same:
+    """Equal to itself for the same object, which need not be hashable; keeps it alive."""
+
+    def __init__(self, target: object) -> None:
+        self.target = target
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Same) and other.target is self.target
+
+    def __hash__(self) -> int:
+        return id(self.target)
 
 
 def bind(

@@ -20,7 +20,7 @@ import numpy.typing as npt
 
 from moseg_core.errors import ShapeError
 from moseg_core.triangulate import triangulate_polygons
-from moseg_core.types import FloatArray, IntArray
+from moseg_core.types import FloatArray, IntArray, frozen
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -47,6 +47,11 @@ class PolygonMesh:
     offsets: IntArray
     triangles: IntArray
     triangle_polygon: IntArray
+
+    def __post_init__(self) -> None:
+        for array in (self.vertices, self.corners, self.offsets, self.triangles):
+            frozen(array)
+        frozen(self.triangle_polygon)
 
     @classmethod
     def from_faces(
@@ -168,7 +173,10 @@ def _corner_arrays(
             )
         offsets = np.arange(len(faces) + 1, dtype=np.int64) * faces.shape[1]
         return faces.astype(np.int64).reshape(-1), offsets
-    rows = [list(face) for face in faces]  # type: ignore[union-attr, arg-type]  # checked below
+    try:
+        rows = [list(face) for face in faces]  # type: ignore[union-attr, arg-type]  # caught below
+    except TypeError as error:
+        raise ShapeError("each face must be a sequence of vertex indices") from error
     offsets = np.zeros(len(rows) + 1, np.int64)
     np.cumsum([len(row) for row in rows], out=offsets[1:])
     corners = np.array([corner for row in rows for corner in row])

@@ -10,12 +10,12 @@ hammers recommend (``benchmarks/stages.py``).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from moseg_core.errors import MosegError, PluginError, UsageError, unknown
+from moseg_core.errors import PluginError, UsageError, unknown
 from moseg_core.language import parse_call
 from moseg_core.language.terms import format_number
 from moseg_core.parameters import check_parameters, declared_parameters
@@ -224,21 +224,11 @@ class Ready:
     @property
     def who(self) -> str:
         """The component and where it comes from, for messages."""
-        return f"{self.component.kind} '{self.component.id}' of {self.component.distribution}"
+        return self.component.who
 
-    @contextmanager
-    def guard(self, what: str = "failed") -> Iterator[None]:
-        """Turn whatever the component raises into a PluginError that names it.
-
-        moseg's own errors pass: they say what is wrong with the request or with another component.
-        """
-        try:
-            yield
-        except MosegError:
-            raise
-        except Exception as error:  # a stranger's component may raise anything
-            text = " ".join(str(error).split())
-            raise PluginError(f"{self.who} {what}: {type(error).__name__}: {text}") from error
+    def guard(self, what: str = "failed") -> AbstractContextManager[None]:
+        """See :meth:`moseg_core.plugins.Component.guard`."""
+        return self.component.guard(what)
 
 
 def prepare(choice: Choice, kind: Kind, registry: Registry) -> Ready:

@@ -25,13 +25,13 @@ from moseg_core.errors import MosegError
 from moseg_core.memo import Memo
 from moseg_core.plugins import MeasureResolver
 from moseg_core.shape import Shape
-from moseg_core.types import FloatArray, Int32Array, IntArray
+from moseg_core.types import FloatArray, Int32Array, IntArray, frozen
 
 if TYPE_CHECKING:
     import trimesh
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class Part:
     """The elements that bear one label.
 
@@ -91,6 +91,9 @@ class Part:
         """Surface area, model units squared."""
         return float(self.moments[0])
 
+    def __repr__(self) -> str:
+        return f"Part({self.n_elements} elements of {self.shape.name}, area {self.area:.6g})"
+
     def _require_area(self) -> None:
         if not self.moments[0] > 0:
             raise MosegError("an empty part, or one without area, has no centroid and no axes")
@@ -100,7 +103,7 @@ class Part:
         """(3,) float, model units: the paper's ``P.c``, the area-weighted mean of the surface."""
         self._require_area()
         centroid: FloatArray = self.moments[1:4] / self.moments[0] + self.shape.frame.center
-        return centroid
+        return frozen(centroid)
 
     @cached_property
     def _principal(self) -> tuple[FloatArray, FloatArray]:
@@ -114,7 +117,7 @@ class Part:
         axes = vectors.T[::-1]
         largest = np.abs(axes).argmax(axis=1)
         axes = axes * np.sign(axes[np.arange(3), largest])[:, None]
-        return np.sqrt(values[::-1]), axes
+        return frozen(np.sqrt(values[::-1])), frozen(axes)
 
     @property
     def scales(self) -> FloatArray:
@@ -135,12 +138,12 @@ class Part:
     @cached_property
     def elements(self) -> IntArray:
         """(n_elements,) int: numbers of the part's elements in the shape, ascending."""
-        return self.level.expand(self.level_elements)
+        return frozen(self.level.expand(self.level_elements))
 
     @cached_property
     def level_elements(self) -> IntArray:
         """(k,) int: numbers of the part's elements in :attr:`level`, ascending."""
-        return np.flatnonzero(self.level_labels == self.index)
+        return frozen(np.flatnonzero(self.level_labels == self.index))
 
     @property
     def points(self) -> FloatArray:
@@ -162,7 +165,7 @@ class Part:
         used = np.zeros(len(geometry.vertices), np.bool_)
         used[triangles] = True
         compact = np.cumsum(used) - 1
-        return geometry.vertices[used], compact[triangles]
+        return frozen(geometry.vertices[used]), frozen(compact[triangles])
 
     @property
     def vertices(self) -> FloatArray:
@@ -213,9 +216,9 @@ class Part:
         if key not in own:
             if keep:
                 whole = (self.membership, *self.level.key, *key)
-                own[key] = self.memo.get(whole, lambda: function(self, **parameters))
+                own[key] = self.memo.get(whole, lambda: _shared(function(self, **parameters)))
             else:
-                own[key] = function(self, **parameters)
+                own[key] = _shared(function(self, **parameters))
         return own[key]
 
     def to_mesh(self) -> trimesh.Trimesh:
@@ -228,3 +231,11 @@ class Part:
         import trimesh
 
         return trimesh.Trimesh(vertices=self.vertices, faces=self.triangles, process=False)
+
+
+def _shared(value: Any) -> Any:
+    """A measure's value with its arrays read-only, since all objectives share it."""
+    for array in value if isinstance(value, tuple) else (value,):
+        if isinstance(array, np.ndarray):
+            frozen(array)
+    return value

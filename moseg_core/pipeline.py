@@ -10,6 +10,7 @@ their parameters first, then whether the shape has what the objectives need.
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -127,6 +128,10 @@ def segment(
     >>> result.labels.shape == (shape.n_elements,)
     True
     """
+    if not isinstance(shape, Shape):
+        raise UsageError(f"segment takes a Shape, from moseg.load(path), not {shape!r:.60}")
+    if not isinstance(problem, Problem):
+        raise UsageError(f"segment takes a Problem, not {problem!r:.60}")
     given: dict[str, str | Mapping[str, Any] | Choice | None] = {
         "parameterization": parameterization,
         "seeder": seeder,
@@ -146,11 +151,10 @@ def segment(
     limited = ready["optimizer"].parameters.get("max_evaluations") is not None
     if restarts is None and limited and (method is None or method.restarts is None):
         starts = 1
-    if seed < 0:
-        raise UsageError(f"the seed must not be negative, and is {seed}")
+    check_limits(seed, max_seconds)
     if size != "full" and int(size) < len(problem.labels):
         raise UsageError(f"a resolution of {size} is too low for {len(problem.labels)} labels")
-    frozen = [_label_index(problem, name) for name in freeze]
+    frozen = check_frozen(problem, freeze)
     begin = _start_centers(start, problem)
     pinned = read_pins(pins or {}, problem.labels, shape.n_elements)
     n = len(problem.labels)
@@ -358,10 +362,36 @@ def _start_centers(start: Centers | Result | None, problem: Problem) -> Centers 
     return start
 
 
-def _label_index(problem: Problem, name: str) -> int:
-    if name not in problem.labels:
-        raise UsageError(f"freeze: {unknown('label', name, problem.labels)}")
-    return problem.labels.index(name)
+def check_limits(seed: int, max_seconds: float | None) -> None:
+    """Refuse a seed or a time limit that makes no sense.
+
+    Raises
+    ------
+    UsageError
+        The seed is negative or not whole, or the limit is not a positive number.
+    """
+    if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)):
+        raise UsageError(f"the seed must be a whole number, not {seed!r}")
+    if seed < 0:
+        raise UsageError(f"the seed must not be negative, and is {seed}")
+    if max_seconds is not None and not 0 <= max_seconds < math.inf:
+        raise UsageError(f"the limit on seconds must not be negative, and is {max_seconds}")
+
+
+def check_frozen(problem: Problem, freeze: Sequence[str]) -> list[int]:
+    """Indices of the labels to freeze.
+
+    Raises
+    ------
+    UsageError
+        An unknown label, or a text instead of a list.
+    """
+    if isinstance(freeze, str):
+        raise UsageError(f"freeze must be a list of labels, not the text '{freeze}'")
+    for name in freeze:
+        if name not in problem.labels:
+            raise UsageError(f"freeze: {unknown('label', name, problem.labels)}")
+    return [problem.labels.index(name) for name in freeze]
 
 
 def _disagreement(outcomes: Sequence[Outcome]) -> list[str]:

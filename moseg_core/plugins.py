@@ -14,6 +14,7 @@ import importlib
 import inspect
 import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib import metadata
@@ -23,7 +24,7 @@ from typing import Any, Protocol, cast
 import pluggy
 
 from moseg_core import hookspecs
-from moseg_core.errors import PluginError, UsageError, nearest, unknown
+from moseg_core.errors import MosegError, PluginError, UsageError, nearest, unknown
 from moseg_core.hookspecs import ENTRY_POINT_GROUP, HOOKS
 from moseg_core.specs import NAME, Kind, MeasureSpec, Spec
 
@@ -53,6 +54,26 @@ class Component:
     def id(self) -> str:
         """``bundle:name``."""
         return f"{self.bundle}:{self.spec.name}"
+
+    @property
+    def who(self) -> str:
+        """The component and where it comes from, for messages."""
+        return f"{self.kind} '{self.id}' of {self.distribution}"
+
+    @contextmanager
+    def guard(self, what: str = "failed") -> Iterator[None]:
+        """Turn whatever the component raises into a PluginError that names it.
+
+        moseg's own errors pass: they say what is wrong with the request or with another
+        component. So do errors of the operating system about files.
+        """
+        try:
+            yield
+        except (MosegError, OSError):
+            raise
+        except Exception as error:  # a stranger's component may raise anything
+            text = " ".join(str(error).split())
+            raise PluginError(f"{self.who} {what}: {type(error).__name__}: {text}") from error
 
     def load(self) -> Any:
         """Import the component's module and return the object that its target names.
@@ -191,7 +212,10 @@ def registry() -> Registry:
     """
     wanted = os.environ.get("MOSEG_PLUGINS")
     names = None if wanted is None else {name.strip() for name in wanted.split(",")} | {"core"}
-    return discover(metadata.entry_points(group=ENTRY_POINT_GROUP), restrict_to=names)
+    points = metadata.entry_points(group=ENTRY_POINT_GROUP)
+    for name in sorted((names or set()) - {point.name for point in points} - {""}):
+        raise UsageError(f"MOSEG_PLUGINS: {unknown('bundle', name, {p.name for p in points})}")
+    return discover(points, restrict_to=names)
 
 
 class MeasureResolver(Protocol):

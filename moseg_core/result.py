@@ -14,7 +14,10 @@ from moseg_core.problem import Problem
 from moseg_core.protocols import Centers
 from moseg_core.segmentation import Segmentation
 from moseg_core.shape import Shape
-from moseg_core.types import Int32Array
+from moseg_core.types import Int32Array, frozen
+
+#: Below this share of the area a part is worth a warning.
+_SLIVER = 0.005
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -54,6 +57,10 @@ class Result:
     versions: Mapping[str, str]
     reason: str
     warnings: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        for array in (self.labels, self.centers.positions, self.centers.weights):
+            frozen(array)
 
     def __repr__(self) -> str:
         names = ", ".join(self.problem.labels)
@@ -102,6 +109,9 @@ def find_warnings(
             about = f" for {', '.join(call.labels)}" if call.labels else ""
             found.append(f"{term.objective} is at its worst value, {call.value:g}{about}")
     for name, part in zip(labels, segmentation.parts, strict=True):
+        if name not in evaluation.empty and part.area < _SLIVER * part.shape.area:
+            share = 100 * part.area / part.shape.area
+            found.append(f"part '{name}' has only {share:.2g} % of the area")
         if part.n_elements and part.n_components > 1:
             found.append(f"part '{name}' is in {part.n_components} pieces")
     return tuple(found)

@@ -86,7 +86,7 @@ def search_once(
     n = partition.n_parts
     seeding = None
     if start is None:
-        seeding = _seed(ready["seeder"], evaluator, rng, report)
+        seeding = _seed(ready["seeder"], evaluator, rng, _until(deadline, report))
         vector = partition.encode(Centers(positions=seeding.centers, weights=np.ones(n)))
         if not seeding.labelled:
             vector = partition.permute(vector, _label(ready["labeler"], evaluator, vector))
@@ -120,7 +120,7 @@ def search_once(
         search, evaluator, deadline, report, ready=ready["optimizer"], base=vector, free=free
     )
     with ready["optimizer"].guard():
-        (found, cost), records = search.best, search.history
+        (found, cost), records = search.best, _plain_records(search.history)
     return Outcome(
         vector=_expand(found[None], vector, free)[0],
         cost=cost,
@@ -278,7 +278,32 @@ def _seed(ready: Ready, evaluator: Evaluator, rng: np.random.Generator, report: 
         fits = False
     if not fits:
         raise PluginError(f"{ready.who} must return a Seeding of {n} finite centres")
-    return replace(seeding, centers=centers)
+    with ready.guard("has a history that is not made of numbers"):
+        history = _plain_records(seeding.history)
+    return replace(seeding, centers=centers, history=history)
+
+
+def _until(deadline: float | None, report: Report) -> Report:
+    """The reporting function, which also asks to stop when the time is up."""
+
+    def listen(progress: Progress) -> bool:
+        late = deadline is not None and time.monotonic() >= deadline
+        return report(progress) or late
+
+    return listen
+
+
+def _plain_records(
+    history: Sequence[Mapping[str, float]],
+) -> tuple[dict[str, float], ...]:
+    """Records of plain numbers, whatever number types a component keeps; others raise."""
+    return tuple(
+        {
+            str(key): int(value) if isinstance(value, (int, np.integer)) else float(value)
+            for key, value in record.items()
+        }
+        for record in history
+    )
 
 
 def _label(ready: Ready, evaluator: Evaluator, vector: FloatArray) -> IntArray:

@@ -21,7 +21,7 @@ from moseg_core.memo import Memo
 from moseg_core.part import Part
 from moseg_core.plugins import MeasureResolver, measure_resolver
 from moseg_core.shape import Shape
-from moseg_core.types import BoolArray, FloatArray, Int32Array, IntArray
+from moseg_core.types import BoolArray, FloatArray, Int32Array, IntArray, frozen
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -78,7 +78,7 @@ class Summary:
         return empty
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class Segmentation:
     """A labelled shape; what a global objective receives.
 
@@ -112,6 +112,9 @@ class Segmentation:
         if self.level.members is None:
             return self.level_labels
         return self.level_labels[self.level.members]
+
+    def __repr__(self) -> str:
+        return f"Segmentation({self.shape.name}: {self.n_parts} parts)"
 
     @classmethod
     def from_labels(
@@ -185,7 +188,10 @@ class Segmentation:
 
 def checked_labels(shape: Shape, labels: npt.ArrayLike, n_parts: int) -> Int32Array:
     """Labels as a (F,) int32 array, or a ShapeError that says what is wrong with them."""
-    array = np.asarray(labels)
+    try:
+        array = np.asarray(labels)
+    except ValueError as error:
+        raise ShapeError(f"labels must be one number per element: {error}") from error
     if array.shape != (shape.n_elements,):
         raise ShapeError(
             f"a labelling needs one label per element, {shape.n_elements} for '{shape.name}',"
@@ -198,4 +204,4 @@ def checked_labels(shape: Shape, labels: npt.ArrayLike, n_parts: int) -> Int32Ar
         raise ShapeError(
             f"element {wrong} has the label {array[wrong]}; allowed are 0 to {n_parts - 1}"
         )
-    return np.ascontiguousarray(array, dtype=np.int32)
+    return frozen(np.array(array, dtype=np.int32, order="C"))

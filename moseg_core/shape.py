@@ -29,7 +29,7 @@ import numpy.typing as npt
 from moseg_core.adjacency import Adjacency, enclosed_volume, mesh_adjacency
 from moseg_core.errors import ShapeError
 from moseg_core.mesh import PolygonMesh
-from moseg_core.types import FloatArray, IntArray
+from moseg_core.types import FloatArray, IntArray, frozen
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +56,7 @@ class Frame:
         return points * self.scale + self.center
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class Shape:
     """Surface elements with their areas, moments and neighbours.
 
@@ -106,6 +106,11 @@ class Shape:
     fine: Shape | None = None
     members: IntArray | None = None
     name: str = field(default="shape")
+
+    def __post_init__(self) -> None:
+        for array in (self.points, self.areas, self.first_moments, self.second_moments):
+            frozen(array)
+        frozen(self.frame.center)
 
     @classmethod
     def from_mesh(
@@ -162,7 +167,7 @@ class Shape:
                 f"all {mesh.n_polygons} faces are degenerate: they have no area to segment"
             )
         adjacency = mesh_adjacency(mesh)
-        volume, reason = enclosed_volume(mesh)
+        volume, reason = enclosed_volume(mesh, adjacency)
         return cls(
             points=points,
             areas=areas,
@@ -236,7 +241,7 @@ class Shape:
     @cached_property
     def unit_points(self) -> FloatArray:
         """(F, 3) float: the elements in unit coordinates, in which the search works."""
-        return self.frame.to_unit(self.points)
+        return frozen(self.frame.to_unit(self.points))
 
     @cached_property
     def area(self) -> float:
@@ -266,9 +271,22 @@ class Shape:
         return digest.hexdigest()[:16]
 
     @property
-    def key(self) -> tuple[str, str, str]:
+    def key(self) -> tuple[object, ...]:
         """What tells this shape from all others in the key of a remembered value."""
-        return (self.fingerprint, self.space, self.resolution)
+        return (self.fingerprint, self.volume, self._links, self.space, self.resolution)
+
+    @cached_property
+    def _links(self) -> str:
+        if self.adjacency is None:
+            return ""
+        digest = hashlib.sha256(np.ascontiguousarray(self.adjacency.indices).tobytes())
+        return digest.hexdigest()[:16]
+
+    def __repr__(self) -> str:
+        volume = "no volume" if self.volume is None else f"volume {self.volume:.6g}"
+        return f"Shape({self.name}: {self.n_elements} elements, area {self.area:.6g}, {volume}" + (
+            f", {self.resolution})" if self.resolution != "full" else ")"
+        )
 
 
 def _element_moments(

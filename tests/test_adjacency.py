@@ -15,6 +15,11 @@ from moseg_core.mesh import PolygonMesh
 from tests import shapes
 from tests.references import connected_pieces, edge_neighbors
 
+
+def volume_of(mesh):
+    return enclosed_volume(mesh, mesh_adjacency(mesh))
+
+
 SHAPES = {
     "cube": shapes.cube(),
     "tee": shapes.tee(),
@@ -117,7 +122,7 @@ def test_volumes_of_known_solids(mesh, volume, shift):
         turned = shapes.moved(
             mesh, np.eye(3) if seed is None else shapes.rotation(seed), 1.0, [shift] * 3
         )
-        found, reason = enclosed_volume(PolygonMesh.from_faces(*turned))
+        found, reason = volume_of(PolygonMesh.from_faces(*turned))
         assert reason == ""
         assert found == pytest.approx(volume, rel=1e-9)
 
@@ -125,7 +130,24 @@ def test_volumes_of_known_solids(mesh, volume, shift):
 def test_the_volume_is_positive_whichever_way_the_faces_look():
     vertices, faces = shapes.tee()
     inside_out = PolygonMesh.from_faces(vertices, [face[::-1] for face in faces])
-    assert enclosed_volume(inside_out) == (pytest.approx(11.0), "")
+    assert volume_of(inside_out) == (pytest.approx(11.0), "")
+
+
+def test_components_against_each_other_are_refused_but_cavities_are_not():
+    box, far = shapes.box(2, 2, 2), shapes.moved(shapes.cube(), np.eye(3), 1.0, [9.0] * 3)
+    inner = shapes.moved(shapes.cube(), np.eye(3), 0.5, [0.7] * 3)
+
+    def turned(mesh):
+        return mesh[0], [face[::-1] for face in mesh[1]]
+
+    def volume(*meshes):
+        return volume_of(PolygonMesh.from_faces(*shapes.joined(*meshes)))
+
+    assert volume(box, far) == (pytest.approx(9.0), "")
+    assert volume(box, turned(far)) == (None, "its components are oriented against each other")
+    assert volume(turned(box), turned(far)) == (pytest.approx(9.0), "")
+    assert volume(box, turned(inner)) == (pytest.approx(8 - 0.125), "")
+    assert volume(turned(box), inner) == (pytest.approx(8 - 0.125), "")
 
 
 def flipped(mesh):
@@ -147,6 +169,6 @@ def flipped(mesh):
     ids=["no lid", "annulus", "book", "extra face", "flipped", "flat", "a point"],
 )
 def test_a_surface_that_encloses_nothing_says_why(mesh, reason):
-    volume, found = enclosed_volume(PolygonMesh.from_faces(*mesh))
+    volume, found = volume_of(PolygonMesh.from_faces(*mesh))
     assert volume is None
     assert reason in found

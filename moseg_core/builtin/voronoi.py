@@ -26,6 +26,12 @@ from moseg_core.types import FloatArray, Int32Array, IntArray
 _WORTH_THREADS = 300_000
 
 
+def _cores() -> int:
+    """Processors that this process may use, where the system tells; all of them elsewhere."""
+    affinity = getattr(os, "sched_getaffinity", None)
+    return len(affinity(0)) if affinity is not None else os.cpu_count() or 1
+
+
 class Voronoi:
     """Weighted Voronoi partitions of a shape into `n_parts` parts.
 
@@ -89,7 +95,7 @@ class Voronoi:
                     points, centers, weights, adjacency.indptr, adjacency.indices, labels[b]
                 )
 
-        workers = min(len(rows), len(os.sched_getaffinity(0)))
+        workers = min(len(rows), _cores())
         if workers < 2 or labels.size < _WORTH_THREADS:
             for b in range(len(rows)):
                 partition(b)

@@ -17,7 +17,7 @@ from moseg_core.errors import UsageError
 from moseg_core.io.files import check_output, load, save
 from moseg_core.io.writers import evaluation_document
 from moseg_core.method import Choice, read_resolution
-from moseg_core.pipeline import prepare_method, segment
+from moseg_core.pipeline import check_frozen, check_limits, prepare_method, segment
 from moseg_core.result import Result
 
 
@@ -50,12 +50,24 @@ def run_segment(
         read_resolution(resolution)
     begin = start_centers(earlier, problem)
     pinned = read_pins(pins)
+    check_limits(seed, max_seconds)
+    frozen = [name.strip() for name in freeze.split(",")] if freeze else []
+    check_frozen(problem, frozen)
+    if start is not None and centers is not None:
+        raise UsageError("--start and --centers both say where to begin; give one of them")
     for output in outputs:
         check_output(output)
+        if output.exists() and path.exists() and output.samefile(path):
+            raise UsageError(f"'{output}' is the shape itself; write the result to another file")
 
     started = time.monotonic()
     shape = load(path)
     problem.check(shape)
+    if earlier is not None and earlier.shape.get("fingerprint") != shape.fingerprint:
+        message(
+            f"warning: {start} is a result of another shape, '{earlier.shape.get('name')}'",
+            quiet=quiet,
+        )
     for note in shape.notes:
         message(f"{path.name}: {note}", quiet=quiet)
     with progress_reporter(quiet=quiet) as show, stop_on_interrupt(wanted=bool(outputs)) as stop:
@@ -65,7 +77,7 @@ def run_segment(
             method=method,
             **chosen,
             start=begin,
-            freeze=[name.strip() for name in freeze.split(",")] if freeze else [],
+            freeze=frozen,
             pins=pinned,
             restarts=restarts,
             resolution=resolution,

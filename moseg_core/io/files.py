@@ -52,7 +52,8 @@ def load(path: str | os.PathLike[str], *, source: Registry | None = None) -> Sha
         raise ShapeError(f"'{path}' is a folder; name a file in it")
     reader = component.load()
     try:
-        shape = reader(path)
+        with component.guard(f"failed on '{path}'"):
+            shape = reader(path)
     except OSError as error:
         raise ShapeError(f"'{path}' cannot be read: {error.strerror or error}") from error
     if not isinstance(shape, Shape):
@@ -87,7 +88,9 @@ def save(result: Result, path: str | os.PathLike[str], *, source: Registry | Non
     """
     path = Path(path)
     component = check_output(path, source=source)
-    data = component.load()(result)
+    write = component.load()
+    with component.guard():
+        data = write(result)
     if not isinstance(data, bytes):
         raise PluginError(
             f"writer '{component.id}' of {component.distribution} returned a"

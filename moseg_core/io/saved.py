@@ -89,12 +89,15 @@ def _from_document(document: dict[str, Any]) -> SavedResult:
         TermValue(
             text=term["term"],
             objective=term["objective"],
-            weight=term["weight"],
+            weight=float(term["weight"]),
             calls=tuple(
-                CallValue(labels=tuple(call["labels"]), value=call["value"])
+                CallValue(
+                    labels=tuple(call["labels"]),
+                    value=None if call["value"] is None else float(call["value"]),
+                )
                 for call in term["calls"]
             ),
-            worst=math.inf if term["worst"] is None else term["worst"],
+            worst=math.inf if term["worst"] is None else float(term["worst"]),
         )
         for term in document["terms"]
     )
@@ -106,7 +109,7 @@ def _from_document(document: dict[str, Any]) -> SavedResult:
         names=tuple(document["problem"]["labels"]),
         minimize=document["problem"]["minimize"],
         evaluation=Evaluation(
-            cost=Cost(len(cost["empty"]) + cost["broken_pins"], cost["value"]),
+            cost=Cost(len(cost["empty"]) + int(cost["broken_pins"]), float(cost["value"])),
             terms=terms,
             empty=tuple(cost["empty"]),
             broken_pins=cost["broken_pins"],

@@ -55,7 +55,13 @@ def write_json(result: Result) -> bytes:
         "reason": result.reason,
         "warnings": list(result.warnings),
         "versions": dict(result.versions),
-        "history": {stage: list(records) for stage, records in result.history.items()},
+        "history": {
+            stage: [
+                {key: value if math.isfinite(value) else None for key, value in record.items()}
+                for record in records
+            ]
+            for stage, records in result.history.items()
+        },
         "labels": result.labels.tolist(),
     }
     # One line per entry: readable, and a change of one number is a change of one line.

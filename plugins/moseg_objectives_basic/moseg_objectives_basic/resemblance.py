@@ -62,7 +62,7 @@ def planar_symmetric(part: Part) -> float:
         # The distance from x to the mirror image is that from the mirrored x to the part.
         mirrored = points[block] - 2.0 * across[:, None] * axis
         squared[i, block] = tree.squared_distances(mirrored)
-        return float(weights[block] @ squared[i, block])
+        return float((weights[block] * squared[i, block]).sum())
 
     # The most promising axis first; another is given up once its sum is past the least, with
     # room for rounding. This leaves out most distances, and none that matter.

@@ -117,4 +117,5 @@ def surface_tree(part: Part) -> SurfaceTree:
 
 def normalized_mean(part: Part, squared: FloatArray, weights: FloatArray) -> float:
     """The paper's normalisation: mean squared distance over the squared box diagonal."""
-    return float(weights @ squared / weights.sum() / part.box_diagonal**2)
+    # Not `@`, whose last bits depend on the number of threads.
+    return float((weights * squared).sum() / weights.sum() / part.box_diagonal**2)
