@@ -2,10 +2,10 @@
 
     python benchmarks/stages.py [MESH]
 
-The sample horse unless another mesh is given, as it is and with its faces cut up (155 000), under the recipe
-horse. A generation and a poll are measured on the coarse shape and on the input elements, each in
-the processor time of this process, so that what else the machine does matters less. The last
-column is the ratio of the larger mesh to the smaller.
+The sample horse unless another mesh is given, as it is and with its faces cut up (155 000), under
+the recipe horse. A generation and a poll are measured on the coarse shape and on the input
+elements, each in the processor time of this process, so that what else the machine does matters
+less. The last column is the ratio of the larger mesh to the smaller.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Coarse shapes: connected pieces, alike in size, and parts that are those of the input elements."""
+"""Coarse shapes: connected pieces, alike in size; parts that are those of the input elements."""
 
 from __future__ import annotations
 
