@@ -298,8 +298,9 @@ def _finish(
 ) -> Outcome:
     """The best of what was found on the coarse shape, by its cost on the whole one.
 
-    All distinct outcomes are partitioned anew and ranked by what they cost now, so that one that
-    loses a part on the way comes after all that do not. The first few are polished.
+    All distinct outcomes are partitioned anew. The best on super-elements and the best by what they
+    cost now are polished, and the least exact cost wins: one with an empty part comes after all
+    without.
     """
     ready = prepare(_POLISH, "optimizer", whole.problem.registry)
     found: dict[bytes, Outcome] = {}
@@ -310,6 +311,9 @@ def _finish(
             cost = whole.evaluate(vector).cost
             found[key] = replace(outcome, vector=vector, cost=cost)
     ranked = sorted(found.values(), key=lambda outcome: outcome.cost)
+    # The best on super-elements first: a part that it loses between levels a few steps may mend.
+    favourite = next(iter(found.values()))
+    ranked = [favourite, *(outcome for outcome in ranked if outcome is not favourite)]
     polished: list[Outcome] = []
     for outcome in ranked:
         over = deadline is not None and time.monotonic() >= deadline

@@ -8,7 +8,7 @@ from importlib import metadata
 
 import pytest
 
-from moseg_core.errors import PluginError
+from moseg_core.errors import PluginError, UsageError
 from moseg_core.plugins import (
     discover,
     registry,
