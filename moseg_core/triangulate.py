@@ -94,20 +94,17 @@ def _clip_ears(points: FloatArray) -> IntArray:
     if (u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0] > 0).all() and _winds_once(plane):
         return np.array([[0, k, k + 1] for k in range(1, len(ring) - 1)], np.int64)
     triangles: list[list[int]] = []
-    while len(ring) > 3:
-        triples = [(ring[i - 1], ring[i], ring[(i + 1) % len(ring)]) for i in range(len(ring))]
-        turns = [_turn(plane, *triple) for triple in triples]
+    left = np.array(ring)
+    while len(left) > 3:
+        a, b, c = plane[np.roll(left, 1)], plane[left], plane[np.roll(left, -1)]
+        turns = _turns(a, b, c)
         ear = next(
-            (
-                i
-                for i, triple in enumerate(triples)
-                if turns[i] > 0 and not _holds_corner(plane, triple, ring)
-            ),
+            (i for i in np.flatnonzero(turns > 0) if not _holds_corner(plane[left], int(i))),
             int(np.argmax(turns)),
         )
-        triangles.append(list(triples[ear]))
-        del ring[ear]
-    triangles.append(ring)
+        triangles.append([left[ear - 1], left[ear], left[(ear + 1) % len(left)]])
+        left = np.delete(left, ear)
+    triangles.append(left.tolist())
     return np.array(triangles, np.int64)
 
 
@@ -119,17 +116,17 @@ def _winds_once(plane: FloatArray) -> bool:
     return bool(turns.sum() < 3 * np.pi)
 
 
-def _turn(plane: FloatArray, a: int, b: int, c: int) -> float:
-    """Twice the signed area of the triangle a, b, c in the plane."""
-    u, v = plane[b] - plane[a], plane[c] - plane[a]
-    return float(u[0] * v[1] - u[1] * v[0])
+def _turns(a: FloatArray, b: FloatArray, c: FloatArray) -> FloatArray:
+    """Twice the signed areas of triangles in the plane, corner by corner."""
+    u, v = b - a, c - a
+    turns: FloatArray = u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0]
+    return turns
 
 
-def _holds_corner(plane: FloatArray, triple: tuple[int, int, int], ring: list[int]) -> bool:
-    """Whether another corner of the ring lies in or on the triangle."""
-    a, b, c = triple
-    return any(
-        _turn(plane, a, b, p) >= 0 and _turn(plane, b, c, p) >= 0 and _turn(plane, c, a, p) >= 0
-        for p in ring
-        if p not in triple and not any(np.array_equal(plane[p], plane[q]) for q in triple)
-    )
+def _holds_corner(ring: FloatArray, i: int) -> bool:
+    """Whether another corner of a ring lies in or on the triangle at its corner `i`."""
+    a, b, c = ring[i - 1], ring[i], ring[(i + 1) % len(ring)]
+    inside = (_turns(a, b, ring) >= 0) & (_turns(b, c, ring) >= 0) & (_turns(c, a, ring) >= 0)
+    for corner in (a, b, c):  # the triangle's own corners, and others in the same places
+        inside &= (ring != corner).any(axis=1)
+    return bool(inside.any())

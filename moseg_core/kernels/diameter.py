@@ -7,8 +7,8 @@ further apart than ``r_i + r_j``, so the loops end early on anything but a spher
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from moseg_core.kernels.compiled import kernel
 from moseg_core.types import FloatArray, IntArray
 
 
@@ -31,7 +31,7 @@ def farthest_pair(points: FloatArray) -> tuple[int, int]:
     return int(i), int(j)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _search(points: FloatArray, radius: FloatArray, number: IntArray) -> tuple[int, int]:
     best, at_i, at_j = -1.0, 0, 0
     # Radii are rounded; the slack keeps pairs that tie.

@@ -23,12 +23,12 @@ Three things make the loop fast without changing what comes out:
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from moseg_core.kernels.compiled import kernel
 from moseg_core.types import FloatArray, Int32Array, IntArray
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _distances(points: FloatArray, centers: FloatArray, weights: FloatArray) -> FloatArray:
     """(n, F) weighted distances ||p - c|| / w, one row per centre."""
     n, size = centers.shape[0], points.shape[0]
@@ -41,7 +41,7 @@ def _distances(points: FloatArray, centers: FloatArray, weights: FloatArray) -> 
     return distance
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _nearest(distance: FloatArray, f: int) -> int:
     best = 0
     for i in range(1, distance.shape[0]):
@@ -50,7 +50,7 @@ def _nearest(distance: FloatArray, f: int) -> int:
     return best
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _strictly_nearest(distance: FloatArray) -> Int32Array:
     """(F,) the nearest centre of each element; -1 where two are equally near."""
     n, size = distance.shape
@@ -67,7 +67,7 @@ def _strictly_nearest(distance: FloatArray) -> Int32Array:
     return nearest
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _climb(
     start: int,
     center: int,
@@ -93,7 +93,7 @@ def _climb(
                 top += 1
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def voronoi_labels(
     points: FloatArray, centers: FloatArray, weights: FloatArray, labels: Int32Array
 ) -> None:
@@ -103,7 +103,7 @@ def voronoi_labels(
         labels[f] = _nearest(distance, f)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def flood_labels(
     points: FloatArray,
     centers: FloatArray,
@@ -178,7 +178,7 @@ def flood_labels(
             labels[f] = _nearest(distance, f)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _push(key: FloatArray, code: IntArray, count: int, k: float, c: int) -> int:
     """Add an entry to the heap of `count` entries; the new count."""
     at = count
@@ -192,7 +192,7 @@ def _push(key: FloatArray, code: IntArray, count: int, k: float, c: int) -> int:
     return count + 1
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _sift(key: FloatArray, code: IntArray, count: int, k: float, c: int) -> None:
     """Put an entry in place of the least one in a heap of `count` entries."""
     at = 0

@@ -9,13 +9,13 @@ that every connected component has at least one. Ties go by (distance, element).
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from moseg_core.kernels.compiled import kernel
 from moseg_core.kernels.flood import _push, _sift
 from moseg_core.types import FloatArray, Int32Array, IntArray
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def grow_pieces(
     points: FloatArray, indptr: Int32Array, indices: Int32Array, seeds: IntArray, members: IntArray
 ) -> int:
@@ -74,7 +74,7 @@ def grow_pieces(
         pieces += 1
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def middle_elements(
     points: FloatArray, areas: FloatArray, members: IntArray, pieces: int
 ) -> IntArray:

@@ -18,12 +18,12 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
 
+from moseg_core.kernels.compiled import kernel
 from moseg_core.types import FloatArray, Int32Array, IntArray
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _mix(x: Any) -> Any:
     """SplitMix64's finaliser, a bijection of the 64-bit integers."""
     x = (x ^ (x >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
@@ -31,7 +31,7 @@ def _mix(x: Any) -> Any:
     return x ^ (x >> np.uint64(31))
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def hash_elements(hashes: npt.NDArray[np.uint64]) -> None:
     """The two hashes of each element's number.
 
@@ -45,7 +45,7 @@ def hash_elements(hashes: npt.NDArray[np.uint64]) -> None:
         hashes[f, 1] = _mix(number * np.uint64(0xD1B54A32D192ED03) + np.uint64(1))
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def summarize_parts(
     labels: Int32Array,
     areas: FloatArray,

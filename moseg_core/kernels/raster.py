@@ -16,15 +16,15 @@ Both kernels are compared in ``tests/kernels/test_raster.py`` with loops over ev
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from moseg_core.kernels.compiled import kernel
 from moseg_core.types import FloatArray, Int32Array
 
 #: Corners are rounded to this part of a pixel.
 SUBPIXELS = 256.0
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def rasterize(corners: FloatArray, width: int, height: int) -> tuple[Int32Array, FloatArray]:
     """Draw triangles into a z-buffer.
 
@@ -90,7 +90,7 @@ def rasterize(corners: FloatArray, width: int, height: int) -> tuple[Int32Array,
     return triangle, depth
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def interpolate(triangle: Int32Array, corners: FloatArray, values: FloatArray) -> FloatArray:
     """Interpolate values at the corners of triangles over the pixels that show them.
 
@@ -138,18 +138,18 @@ def interpolate(triangle: Int32Array, corners: FloatArray, values: FloatArray) -
     return result
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _snap(coordinate: float) -> float:
     return float(np.rint(coordinate * SUBPIXELS) / SUBPIXELS)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _cross(ax: float, ay: float, bx: float, by: float, px: float, py: float) -> float:
     """Twice the signed area of the triangle a, b, p."""
     return (bx - ax) * (py - ay) - (by - ay) * (px - ax)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _clip(
     ax: float,
     ay: float,

@@ -30,6 +30,9 @@ FloatArray = npt.NDArray[np.float64]
 
 _FINENESS = 20
 
+#: A triangle this many times as long as it is wide is a needle.
+_SLIM = 8.0
+
 
 def surface_samples(part: Part) -> tuple[FloatArray, FloatArray]:
     """Points on a part's surface with weights, for integrals over it.
@@ -48,7 +51,7 @@ def surface_samples(part: Part) -> tuple[FloatArray, FloatArray]:
     found = few.samples(part) if few else None
     if found is not None:
         return found
-    corners = part.vertices[part.triangles]
+    corners = _without_needles(part.vertices[part.triangles], part.box_diagonal / _FINENESS)
     edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
     # A side as long as the box's diagonal is common; its number must not hang on rounding.
     cuts = np.ceil(edges * _FINENESS / part.box_diagonal - 1e-9).astype(int).clip(min=1)
@@ -61,6 +64,31 @@ def surface_samples(part: Part) -> tuple[FloatArray, FloatArray]:
         points.append((barycentric @ corners[chosen]).reshape(-1, 3))
         weights.append(np.repeat(areas[chosen] / n**2, n**2))
     return np.concatenate(points), np.concatenate(weights)
+
+
+def _without_needles(corners: FloatArray, length: float) -> FloatArray:
+    """(k, 3, 3) triangles, those much longer than `length` and wide cut across until they are not.
+
+    Cutting a triangle into n^2 equal pieces is wasteful where it is hundreds of times as long as
+    it is wide, as on the side of a cylinder from a CAD program.
+    """
+    while True:
+        sides = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
+        longest = sides.max(axis=1)
+        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        width = np.linalg.norm(normals, axis=1) / np.maximum(longest, np.finfo(float).tiny)
+        needle = longest > np.maximum(length, _SLIM * width)
+        if not needle.any():
+            return corners
+        # The side from corner k - 1 to corner k is the longest: its middle replaces either end.
+        k = sides[needle].argmax(axis=1)
+        rows = np.arange(len(k))
+        halves = corners[needle]
+        middle = (halves[rows, k - 1] + halves[rows, k]) / 2.0
+        first, second = halves.copy(), halves.copy()
+        first[rows, k] = middle
+        second[rows, k - 1] = middle
+        corners = np.concatenate([corners[~needle], first, second])
 
 
 def _sub_centroids(n: int) -> FloatArray:
