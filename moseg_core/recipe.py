@@ -17,11 +17,12 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from moseg_core.errors import PluginError, UsageError, unknown
+from moseg_core.language import parse
 from moseg_core.method import Choice, Method, read_resolution, read_restarts
 from moseg_core.plugins import Registry, registry
 from moseg_core.problem import check_label_names
@@ -129,7 +130,36 @@ def load_recipe(name: str, *, source: Registry | None = None) -> Recipe:
             f"recipe '{component.id}' of {component.distribution} is a {type(text).__name__}, not"
             f" a text"
         )
-    return parse_recipe(text, component.spec.name)
+    recipe = parse_recipe(text, component.spec.name)
+    found = registry() if source is None else source
+    return replace(
+        recipe,
+        minimize=said_in_full(recipe.minimize, lambda word: f"{component.bundle}:{word}", found),
+    )
+
+
+def said_in_full(text: str, full: Callable[[str], str | None], source: Registry) -> str:
+    """An expression in which names that have become ambiguous stand for what was meant.
+
+    A recipe's own objectives are meant by its names, whatever is installed beside its bundle.
+
+    Parameters
+    ----------
+    text : str
+    full : callable
+        For the name of an objective the id that is meant, or None where that is not known.
+    source : Registry
+    """
+    expression = parse(text)
+    offered = [component.spec.name for component in source.components("objective")]
+    ids = [component.id for component in source.components("objective")]
+    terms = tuple(
+        replace(term, name=full(term.name) or term.name)
+        if offered.count(term.name) > 1 and full(term.name) in ids
+        else term
+        for term in expression.terms
+    )
+    return text if terms == expression.terms else str(replace(expression, terms=terms))
 
 
 def _required(table: Mapping[str, Any], key: str, kind: type, name: str) -> Any:

@@ -6,9 +6,10 @@ import pytest
 
 from moseg_core.errors import ExpressionError, MosegError, PluginError, UsageError
 from moseg_core.method import Choice, Method, prepare
-from moseg_core.plugins import Bundle, Registry, registry
+from moseg_core.plugins import Bundle, Component, Registry, registry
 from moseg_core.problem import Problem
 from moseg_core.recipe import Recipe, load_recipe, parse_recipe
+from moseg_core.specs import ObjectiveSpec
 
 LEAST = 'labels = ["a"]\nminimize = "narrow(a)"\n'
 
@@ -185,3 +186,18 @@ def test_a_mistake_in_the_expression_shows_with_the_problem():
     recipe = parse_recipe('labels = ["a"]\nminimize = "narow(a)"', "mine")
     with pytest.raises(ExpressionError, match="did you mean 'narrow'"):
         Problem(recipe.labels, recipe.minimize)
+
+
+def test_a_recipe_means_its_own_objectives_beside_others_of_the_same_name():
+    others = registry()
+    rival = Component("rival", "rival 1.0", ObjectiveSpec(name="narrow", target="rival:narrow"))
+    crowded = Registry(
+        [*others.bundles, Bundle("rival", "rival", "1.0", "rival", components=(rival,))]
+    )
+    alone, beside = load_recipe("hammer", source=others), load_recipe("hammer", source=crowded)
+    assert alone.minimize.startswith("3*narrow(handle)")
+    assert beside.minimize == (
+        "3*basic:narrow(handle) + perpendicular(handle, head) + convex_parts"
+    )
+    problem = Problem(beside.labels, beside.minimize, registry=crowded)
+    assert problem.terms[0].id == "basic:narrow"

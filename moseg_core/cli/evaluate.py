@@ -9,10 +9,10 @@ from typing import Any
 
 from rich.table import Table
 
-from moseg_core.cli.console import console, print_json
+from moseg_core.cli.console import console, message, print_json
 from moseg_core.errors import UsageError
 from moseg_core.io import load, read_labels
-from moseg_core.metrics import named_right, rand_index_error
+from moseg_core.metrics import fold, named_right, rand_index_error
 
 
 def run_evaluate(path: Path, result: Path, truths: Sequence[Path], *, as_json: bool) -> None:
@@ -26,6 +26,8 @@ def run_evaluate(path: Path, result: Path, truths: Sequence[Path], *, as_json: b
         true = read_labels(truth, shape.n_elements)
         named = None
         if found.names is not None and true.names is not None:
+            if not {fold(name) for name in found.names} & {fold(name) for name in true.names}:
+                message(f"{result.name} and {truth.name} have no names in common")
             named = named_right(found.labels, found.names, true.labels, true.names, shape.areas)
         rows.append(
             {

@@ -12,6 +12,8 @@ from moseg_core.cli.request import read_problem
 from moseg_core.errors import UsageError, unknown
 from moseg_core.io import Labelling, load, read_labels, read_result
 from moseg_core.io.writers import evaluation_document
+from moseg_core.result import find_warnings
+from moseg_core.segmentation import Segmentation
 from moseg_core.types import IntArray
 
 
@@ -39,8 +41,10 @@ def run_explain(
         problem, _ = read_problem(recipe, labels, minimize)
         shape = load(source)
         labelling = read_labels(parts, shape.n_elements)
-        evaluation = problem.evaluate(shape, _match(labelling, problem.labels, parts))
-        warnings = tuple(f"part '{name}' is empty" for name in evaluation.empty)
+        matched = _match(labelling, problem.labels, parts)
+        evaluation = problem.evaluate(shape, matched)
+        segmentation = Segmentation.from_labels(shape, matched, len(problem.labels))
+        warnings = find_warnings(evaluation, segmentation, problem.labels, "converged")
     for warning in warnings:
         message(f"warning: {warning}")
     if as_json:

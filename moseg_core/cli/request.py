@@ -10,9 +10,10 @@ import numpy as np
 from moseg_core.errors import UsageError
 from moseg_core.io.saved import SavedResult, read_result
 from moseg_core.method import Method
+from moseg_core.plugins import registry
 from moseg_core.problem import Problem
 from moseg_core.protocols import Centers
-from moseg_core.recipe import load_recipe
+from moseg_core.recipe import load_recipe, said_in_full
 
 
 def read_problem(
@@ -43,7 +44,8 @@ def read_problem(
         found = load_recipe(recipe)
         names, expression, method = found.labels, found.minimize, found.method
     elif start is not None:
-        names, expression = start.names, start.minimize
+        meant = {term.text.partition("(")[0]: term.objective for term in start.evaluation.terms}
+        names, expression = start.names, said_in_full(start.minimize, meant.get, registry())
     if labels is not None:
         names = [name.strip() for name in labels.split(",")]
     if minimize is not None:
