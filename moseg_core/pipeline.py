@@ -1,9 +1,6 @@
 """The whole method in one call: seed, label, optimise (Sec. 4 to 7).
 
-A shape of many elements is searched on a coarse version of it (:mod:`moseg_core.coarse`). What
-was found there is then partitioned element by element and polished: a short pattern search with
-small steps. The cost in the result is always that of the input elements.
-
+How often, and on how fine a version of the shape, is the business of :mod:`moseg_core.starts`.
 Everything that can be wrong with the request is checked before the work begins: components and
 their parameters first, then whether the shape has what the objectives need.
 """
@@ -13,13 +10,12 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from moseg_core.coarse import coarse_pins, coarsen
+from moseg_core.coarse import coarse_pins
 from moseg_core.errors import UsageError, unknown
 from moseg_core.evaluation import Evaluator
 from moseg_core.method import (
@@ -32,25 +28,23 @@ from moseg_core.method import (
     settled,
     tuned,
 )
-from moseg_core.pins import Pins, read_pins
+from moseg_core.pins import read_pins
 from moseg_core.problem import Problem
 from moseg_core.protocols import Centers, Parameterization, Progress, Report
 from moseg_core.result import Result, find_warnings
-from moseg_core.search import Outcome, polish, search_once
 from moseg_core.shape import Shape
 from moseg_core.specs import Kind
+from moseg_core.starts import (
+    Listener,
+    all_starts,
+    disagreement,
+    finish,
+    rougher,
+    searched_shape,
+    shared_budget,
+)
 
 _KINDS: tuple[Kind, ...] = ("parameterization", "seeder", "labeler", "optimizer")
-
-#: A coarse shape is used where it has fewer elements by this factor.
-_WORTH = 1.5
-#: Where a pattern search on a coarse shape ends by default, in diagonals.
-_ROUGH = 1e-3
-#: How many of the coarse results are polished, and how.
-_POLISHED = 2
-_POLISH = Choice(
-    "core:pattern_search", {"pattern_size": 0.01, "threshold": 1e-4, "max_evaluations": 300}
-)
 
 
 def segment(
@@ -159,17 +153,17 @@ def segment(
     pinned = read_pins(pins or {}, problem.labels, shape.n_elements)
     n = len(problem.labels)
     whole = Evaluator(shape, problem, ready["parameterization"].make(shape, n), pins=pinned)
-    listener = _Listener(report or _silent)
+    listener = Listener(report or _silent)
     deadline = None if max_seconds is None else time.monotonic() + max_seconds
 
-    level = _searched(shape, size, pinned)
+    level = searched_shape(shape, size, pinned)
     rough = whole
     if level is not shape:
         partition: Parameterization = ready["parameterization"].make(level, n)
         rough = Evaluator(level, problem, partition, pins=coarse_pins(pinned, level), input=whole)
-    outcomes = _all_starts(
+    outcomes = all_starts(
         rough,
-        _shared_budget(ready if rough is whole else _rougher(ready, settings), starts),
+        shared_budget(ready if rough is whole else rougher(ready, settings), starts),
         starts,
         seed,
         listener,
@@ -180,7 +174,7 @@ def segment(
     )
     best = min(outcomes, key=lambda outcome: outcome.cost)
     if rough is not whole:
-        best = _finish(rough, whole, outcomes, listener, frozen=frozen, deadline=deadline)
+        best = finish(rough, whole, outcomes, listener, frozen=frozen, deadline=deadline)
     reason = best.reason
     if listener.stopped:
         reason = "interrupted"
@@ -191,7 +185,7 @@ def segment(
     evaluation = whole.evaluate_labels(labels)
     warnings = [outcome.warning for outcome in outcomes[:1] if outcome.warning]
     warnings += find_warnings(evaluation, segmentation, problem.labels, reason)
-    warnings += _disagreement(outcomes) if restarts is not None else []
+    warnings += disagreement(outcomes) if restarts is not None else []
     history = dict(best.history)
     if starts > 1 and (len(outcomes) > 1 or restarts is not None):
         history["restarts"] = tuple(
@@ -218,132 +212,6 @@ def segment(
         reason=reason,
         warnings=tuple(warnings),
     )
-
-
-class _Listener:
-    """Passes reports on, and remembers that it was once asked to stop."""
-
-    def __init__(self, report: Report) -> None:
-        self._report = report
-        self.stopped = False
-
-    def __call__(self, progress: Progress) -> bool:
-        self.stopped = bool(self._report(progress)) or self.stopped
-        return self.stopped
-
-
-def _searched(shape: Shape, resolution: int | str, pins: Pins) -> Shape:
-    """The shape to search on: a coarse one where that is clearly smaller."""
-    if resolution == "full" or shape.n_elements <= _WORTH * int(resolution):
-        return shape
-    coarse = coarsen(shape, int(resolution), pins=pins)
-    return coarse if shape.n_elements > _WORTH * coarse.n_elements else shape
-
-
-def _rougher(ready: dict[Kind, Ready], settings: str) -> dict[Kind, Ready]:
-    """The components with the default search ending at steps that super-elements can feel."""
-    optimizer = ready["optimizer"]
-    plain = optimizer.component.id == "core:pattern_search" and not optimizer.parameters
-    if settings != "default" or not plain:
-        return ready
-    return {**ready, "optimizer": replace(optimizer, parameters={"threshold": _ROUGH})}
-
-
-def _all_starts(
-    evaluator: Evaluator,
-    ready: Mapping[Kind, Ready],
-    restarts: int,
-    seed: int,
-    listener: _Listener,
-    *,
-    start: Centers | None,
-    frozen: Sequence[int],
-    deadline: float | None,
-    repeats: bool,
-) -> list[Outcome]:
-    """Run the search from one start after the other, until asked to stop.
-
-    A run that draws no random numbers is the same each time; it is repeated only on request.
-    """
-    outcomes: list[Outcome] = []
-    for k in range(restarts):
-        rng = np.random.default_rng(seed if k == 0 else [seed, k])
-        fresh = rng.bit_generator.state
-        outcomes.append(
-            search_once(
-                evaluator,
-                ready,
-                rng=rng,
-                report=listener,
-                start=start,
-                frozen=frozen,
-                deadline=deadline,
-            )
-        )
-        if listener.stopped or outcomes[-1].reason == "seconds":
-            break
-        if not repeats and rng.bit_generator.state == fresh:
-            break
-    return outcomes
-
-
-def _finish(
-    rough: Evaluator,
-    whole: Evaluator,
-    outcomes: Sequence[Outcome],
-    listener: _Listener,
-    *,
-    frozen: Sequence[int],
-    deadline: float | None,
-) -> Outcome:
-    """The best of what was found on the coarse shape, by its cost on the whole one.
-
-    All distinct outcomes are partitioned anew. The best on super-elements and the best by what they
-    cost now are polished, and the least exact cost wins: one with an empty part comes after all
-    without.
-    """
-    ready = prepare(_POLISH, "optimizer", whole.problem.registry)
-    found: dict[bytes, Outcome] = {}
-    for outcome in sorted(outcomes, key=lambda outcome: outcome.cost):
-        key = rough.labels(outcome.vector).tobytes()
-        if key not in found:
-            vector = whole.parameterization.encode(rough.parameterization.decode(outcome.vector))
-            cost = whole.evaluate(vector).cost
-            found[key] = replace(outcome, vector=vector, cost=cost)
-    ranked = sorted(found.values(), key=lambda outcome: outcome.cost)
-    # The best on super-elements first: a part that it loses between levels a few steps may mend.
-    favourite = next(iter(found.values()))
-    ranked = [favourite, *(outcome for outcome in ranked if outcome is not favourite)]
-    polished: list[Outcome] = []
-    for outcome in ranked:
-        over = deadline is not None and time.monotonic() >= deadline
-        if len(polished) == _POLISHED or listener.stopped or over:
-            break
-        better = polish(
-            whole,
-            ready,
-            outcome.vector,
-            rng=np.random.default_rng(0),
-            report=listener,
-            frozen=frozen,
-            deadline=deadline,
-        )
-        reason = "seconds" if better.reason == "seconds" else outcome.reason
-        history = {**outcome.history, **better.history}
-        polished.append(replace(better, reason=reason, history=history, warning=outcome.warning))
-    return min([*polished, *ranked], key=lambda outcome: outcome.cost)
-
-
-def _shared_budget(ready: dict[Kind, Ready], restarts: int) -> dict[Kind, Ready]:
-    """The components with a limit on evaluations divided among the starts."""
-    optimizer = ready["optimizer"]
-    budget = optimizer.parameters.get("max_evaluations")
-    if restarts == 1 or budget is None:
-        return ready
-    if budget < restarts:
-        raise UsageError(f"{restarts} starts cannot share {budget} evaluations; allow more")
-    shared = {**optimizer.parameters, "max_evaluations": budget // restarts}
-    return {**ready, "optimizer": replace(optimizer, parameters=shared)}
 
 
 def _start_centers(start: Centers | Result | None, problem: Problem) -> Centers | None:
@@ -396,18 +264,6 @@ def check_frozen(problem: Problem, freeze: Sequence[str]) -> list[int]:
         if name not in problem.labels:
             raise UsageError(f"freeze: {unknown('label', name, problem.labels)}")
     return [problem.labels.index(name) for name in freeze]
-
-
-def _disagreement(outcomes: Sequence[Outcome]) -> list[str]:
-    """A warning where several starts ended at clearly different costs."""
-    values = [outcome.cost.value for outcome in outcomes]
-    least, greatest = min(values), max(values)
-    if greatest - least <= 0.05 * abs(least):
-        return []
-    return [
-        f"{len(values)} starts ended at costs from {least:.4g} to {greatest:.4g}; the best is"
-        f" reported, and more starts may find better"
-    ]
 
 
 def prepare_method(
