@@ -187,7 +187,7 @@ def test_centres_given_by_hand_may_make_parts_smaller_than_a_super_element():
 
 
 def test_a_coarse_result_that_loses_a_part_comes_last(monkeypatch):
-    from moseg_core import pipeline
+    from moseg_core import starts
     from moseg_core.search import Outcome
 
     good = Centers(positions=SHAPE.points[[100, 1200]], weights=np.ones(2))
@@ -199,8 +199,8 @@ def test_a_coarse_result_that_loses_a_part_comes_last(monkeypatch):
         vector = evaluator.parameterization.encode(centers)
         return Outcome(vector=vector, cost=cost, reason="converged", history={})
 
-    monkeypatch.setattr(pipeline, "search_once", fake)
-    monkeypatch.setattr(pipeline, "_POLISHED", 0)
+    monkeypatch.setattr(starts, "search_once", fake)
+    monkeypatch.setattr(starts, "_POLISHED", 0)
     found = run(restarts=2)
     assert found.evaluation.empty == ()
     np.testing.assert_allclose(found.centers.positions, good.positions, rtol=1e-12)
