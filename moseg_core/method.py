@@ -97,7 +97,7 @@ SETTINGS = ("default", "paper")
 
 _KINDS: tuple[Kind, ...] = ("parameterization", "seeder", "labeler", "optimizer")
 _DEFAULT_RESOLUTION = 2000
-_DEFAULT_RESTARTS = 3
+_DEFAULT_RESTARTS = 2
 _DEFAULT_EVOLUTION = {"population": 20, "iterations": 8}
 
 
@@ -109,7 +109,7 @@ def settled(method: Method, settings: str) -> Method:
     method : Method
     settings : str
         ``paper``: the method's components with the paper's parameters, which are their own
-        defaults, one start, full resolution. ``default``: 2000 super-elements and three starts
+        defaults, one start, full resolution. ``default``: 2000 super-elements and two starts
         where the method does not say otherwise; one where it limits the evaluations.
 
     Raises

@@ -100,7 +100,7 @@ def test_the_result_says_how_it_was_made(result):
         "optimizer": "core:pattern_search(threshold=0.01)",
         "settings": "default",
         "resolution": "2000",
-        "restarts": "3",
+        "restarts": "2",
     }
     assert result.versions["python:slim"] == "the calling program"
     assert result.versions["core:kmeans"].startswith("moseg-core ")
