@@ -161,9 +161,10 @@ def segment(
     if level is not shape:
         partition: Parameterization = ready["parameterization"].make(level, n)
         rough = Evaluator(level, problem, partition, pins=coarse_pins(pinned, level), input=whole)
+        ready = rougher(ready, settings)
     outcomes = all_starts(
         rough,
-        shared_budget(ready if rough is whole else rougher(ready, settings), starts),
+        shared_budget(ready, starts),
         starts,
         seed,
         listener,
@@ -217,21 +218,30 @@ def segment(
 def _start_centers(start: Centers | Result | None, problem: Problem) -> Centers | None:
     """Centres in the problem's order, or a UsageError where they do not fit it."""
     if isinstance(start, Result):
-        if sorted(start.problem.labels) != sorted(problem.labels):
-            raise UsageError(
-                f"the start has the labels {', '.join(start.problem.labels)}; the problem has"
-                f" {', '.join(problem.labels)}"
-            )
-        order = [start.problem.labels.index(name) for name in problem.labels]
-        start = Centers(
-            positions=start.centers.positions[order], weights=start.centers.weights[order]
-        )
+        start = matched_centers(start.problem.labels, start.centers, problem)
     n = len(problem.labels)
     if start is not None and (
         np.shape(start.positions) != (n, 3) or np.shape(start.weights) != (n,)
     ):
         raise UsageError(f"the start needs a centre and a weight for each of {n} labels")
     return start
+
+
+def matched_centers(names: Sequence[str], centers: Centers, problem: Problem) -> Centers:
+    """The centres of an earlier result in the order of a problem's labels.
+
+    Raises
+    ------
+    UsageError
+        The two do not have the same labels.
+    """
+    if sorted(names) != sorted(problem.labels):
+        raise UsageError(
+            f"the start has the labels {', '.join(names)}; the problem has"
+            f" {', '.join(problem.labels)}"
+        )
+    order = [list(names).index(name) for name in problem.labels]
+    return Centers(positions=centers.positions[order], weights=centers.weights[order])
 
 
 def check_limits(seed: int, max_seconds: float | None) -> None:

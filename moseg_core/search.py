@@ -102,30 +102,19 @@ def search_once(
         raise PluginError(f"{ready['seeder'].who} placed centres outside the bounds")
     vector = _towards_pins(evaluator, vector, frozen)
 
-    free = _free(partition, vector, frozen)
-    history = {"seeding": seeding.history if seeding else ()}
-    if not free.any():
-        cost = evaluator.evaluate(vector).cost
-        return Outcome(
-            vector=vector, cost=cost, reason="converged", history={**history, "search": ()}
-        )
-    search: Optimizer = ready["optimizer"].make(
-        vector[free],
-        partition.lower[free],
-        partition.upper[free],
-        partition.scale[free],
+    found = _optimize(
+        evaluator,
+        ready["optimizer"],
+        vector,
         rng=rng,
+        report=report,
+        frozen=frozen,
+        deadline=deadline,
+        stage="search",
     )
-    reason = run_search(
-        search, evaluator, deadline, report, ready=ready["optimizer"], base=vector, free=free
-    )
-    with ready["optimizer"].guard():
-        (found, cost), records = search.best, _plain_records(search.history)
-    return Outcome(
-        vector=_expand(found[None], vector, free)[0],
-        cost=cost,
-        reason=reason,
-        history={**history, "search": records},
+    return replace(
+        found,
+        history={"seeding": seeding.history if seeding else (), **found.history},
         warning=seeding.warning if seeding else "",
     )
 
@@ -161,22 +150,54 @@ def polish(
     Outcome
         Its history has the stage "polish".
     """
+    return _optimize(
+        evaluator,
+        ready,
+        vector,
+        rng=rng,
+        report=report,
+        frozen=frozen,
+        deadline=deadline,
+        stage="polish",
+    )
+
+
+def _optimize(
+    evaluator: Evaluator,
+    ready: Ready,
+    vector: FloatArray,
+    *,
+    rng: np.random.Generator,
+    report: Report,
+    frozen: Sequence[int],
+    deadline: float | None,
+    stage: str,
+) -> Outcome:
+    """Run an optimizer over the coordinates that are not frozen; `stage` names its history."""
     partition = evaluator.parameterization
     free = _free(partition, vector, frozen)
     if not free.any():
         cost = evaluator.evaluate(vector).cost
-        return Outcome(vector=vector, cost=cost, reason="converged", history={"polish": ()})
+        return Outcome(vector=vector, cost=cost, reason="converged", history={stage: ()})
     bounds = partition.lower[free], partition.upper[free], partition.scale[free]
     search: Optimizer = ready.make(vector[free], *bounds, rng=rng)
     reason = run_search(
-        search, evaluator, deadline, report, ready=ready, base=vector, free=free, stage="polish"
+        search,
+        evaluator,
+        deadline,
+        report,
+        ready=ready,
+        base=vector,
+        free=free,
+        stage=ready.component.spec.name if stage == "search" else stage,
     )
-    found, cost = search.best
+    with ready.guard():
+        (found, cost), records = search.best, _plain_records(search.history)
     return Outcome(
         vector=_expand(found[None], vector, free)[0],
         cost=cost,
         reason=reason,
-        history={"polish": search.history},
+        history={stage: records},
     )
 
 
@@ -197,7 +218,7 @@ def run_search(
     ready: Ready,
     base: FloatArray,
     free: BoolArray,
-    stage: str = "",
+    stage: str,
 ) -> str:
     """Ask and tell until the optimizer has finished or the time is up; the reason it ended.
 
@@ -215,9 +236,8 @@ def run_search(
     free : (m,) bool
         The coordinates that the optimizer sees.
     stage : str
-        What to call it in reports; by default as the component is called.
+        What to call it in reports.
     """
-    stage = stage or ready.component.spec.name
     before = evaluator.evaluations
     with ready.guard():
         finished = search.finished

@@ -12,7 +12,6 @@ from moseg_core.io.saved import SavedResult, read_result
 from moseg_core.method import Method
 from moseg_core.plugins import registry
 from moseg_core.problem import Problem
-from moseg_core.protocols import Centers
 from moseg_core.recipe import load_recipe, said_in_full
 
 
@@ -60,25 +59,6 @@ def read_problem(
 def read_start(path: Path | None) -> SavedResult | None:
     """The result to go on from, where one is given."""
     return None if path is None else read_result(path)
-
-
-def start_centers(start: SavedResult | None, problem: Problem) -> Centers | None:
-    """The centres of an earlier result in the order of the problem's labels.
-
-    Raises
-    ------
-    UsageError
-        The two do not have the same labels.
-    """
-    if start is None:
-        return None
-    if sorted(start.names) != sorted(problem.labels):
-        raise UsageError(
-            f"the result to start from has the labels {', '.join(start.names)}; the problem has"
-            f" {', '.join(problem.labels)}"
-        )
-    order = [start.names.index(name) for name in problem.labels]
-    return Centers(positions=start.centers.positions[order], weights=start.centers.weights[order])
 
 
 def read_pins(words: Sequence[str]) -> dict[str, np.ndarray]:

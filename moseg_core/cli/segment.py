@@ -12,12 +12,12 @@ from rich.table import Table
 
 from moseg_core.cli.console import console, message, print_json, progress_reporter, terms_table
 from moseg_core.cli.interrupt import stop_on_interrupt
-from moseg_core.cli.request import read_pins, read_problem, read_start, start_centers
+from moseg_core.cli.request import read_pins, read_problem, read_start
 from moseg_core.errors import UsageError
 from moseg_core.io.files import check_output, load, save
 from moseg_core.io.writers import evaluation_document
 from moseg_core.method import Choice, read_resolution
-from moseg_core.pipeline import check_frozen, check_limits, prepare_method, segment
+from moseg_core.pipeline import check_frozen, check_limits, matched_centers, prepare_method, segment
 from moseg_core.result import Result
 
 
@@ -48,7 +48,7 @@ def run_segment(
     prepare_method(problem, method, chosen)
     if resolution is not None:
         read_resolution(resolution)
-    begin = start_centers(earlier, problem)
+    begin = matched_centers(earlier.names, earlier.centers, problem) if earlier else None
     pinned = read_pins(pins)
     check_limits(seed, max_seconds)
     frozen = [name.strip() for name in freeze.split(",")] if freeze else []
