@@ -82,6 +82,8 @@ class Method:
         Number of super-elements to search on; None leaves it to the settings.
     restarts : int or None
         Number of starts; None leaves it to the settings.
+    finalists : int or None
+        How many of them go on to the end; None leaves it to the settings.
     """
 
     parameterization: Choice = Choice("voronoi")
@@ -90,6 +92,7 @@ class Method:
     optimizer: Choice = Choice("pattern_search")
     resolution: int | str | None = None
     restarts: int | None = None
+    finalists: int | None = None
 
 
 SETTINGS = ("default", "paper")
@@ -97,8 +100,9 @@ SETTINGS = ("default", "paper")
 
 _KINDS: tuple[Kind, ...] = ("parameterization", "seeder", "labeler", "optimizer")
 _DEFAULT_RESOLUTION = 2000
-_DEFAULT_RESTARTS = 2
-_DEFAULT_EVOLUTION = {"population": 20, "iterations": 8}
+_DEFAULT_RESTARTS = 8
+_DEFAULT_FINALISTS = 2
+_DEFAULT_EVOLUTION = {"population": 20, "iterations": 6}
 
 
 def settled(method: Method, settings: str) -> Method:
@@ -109,8 +113,9 @@ def settled(method: Method, settings: str) -> Method:
     method : Method
     settings : str
         ``paper``: the method's components with the paper's parameters, which are their own
-        defaults, one start, full resolution. ``default``: 2000 super-elements and two starts
-        where the method does not say otherwise; one where it limits the evaluations.
+        defaults, one start, full resolution. ``default``: 2000 super-elements and eight starts, two
+        of which go on to the end, where the method does not say otherwise; one start where it
+        limits the evaluations.
 
     Raises
     ------
@@ -129,12 +134,13 @@ def settled(method: Method, settings: str) -> Method:
         raise UsageError(unknown("settings", settings, SETTINGS))
     if settings == "paper":
         plain = {kind: Choice(getattr(method, kind).name) for kind in _KINDS}
-        return Method(**plain, resolution="full", restarts=1)
+        return Method(**plain, resolution="full", restarts=1, finalists=1)
     limited = method.optimizer.parameters.get("max_evaluations") is not None
     return replace(
         method,
         resolution=_DEFAULT_RESOLUTION if method.resolution is None else method.resolution,
         restarts=method.restarts or (1 if limited else _DEFAULT_RESTARTS),
+        finalists=method.finalists or _DEFAULT_FINALISTS,
     )
 
 
@@ -144,7 +150,7 @@ def tuned(choice: Choice, settings: str) -> Choice:
     Examples
     --------
     >>> str(tuned(Choice("evolution"), "default")), str(tuned(Choice("evolution"), "paper"))
-    ('evolution(population=20, iterations=8)', 'evolution')
+    ('evolution(population=20, iterations=6)', 'evolution')
     """
     name = choice.name.removeprefix("core:")
     if settings == "default" and name == "evolution" and not choice.parameters:
@@ -185,12 +191,27 @@ def read_restarts(given: object) -> int:
     UsageError
         Anything else.
     """
+    return _read_count(given, "start")
+
+
+def read_finalists(given: object) -> int:
+    """How many of the starts go on to the end, as a number or in digits.
+
+    Raises
+    ------
+    UsageError
+        Anything else.
+    """
+    return _read_count(given, "finalist")
+
+
+def _read_count(given: object, what: str) -> int:
     if isinstance(given, str) and given.isdecimal():
         given = int(given)
     if isinstance(given, bool) or not isinstance(given, int):
-        raise UsageError(f"the number of starts must be a whole number, not {given!r}")
+        raise UsageError(f"the number of {what}s must be a whole number, not {given!r}")
     if given < 1:
-        raise UsageError(f"there must be at least one start, not {given}")
+        raise UsageError(f"there must be at least one {what}, not {given}")
     return given
 
 

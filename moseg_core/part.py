@@ -178,9 +178,21 @@ class Part:
         return self._surface[1]
 
     @cached_property
+    def extreme_vertices(self) -> FloatArray:
+        """(k, 3) float, model units: vertices with the same convex hull as all of them.
+
+        Enough for hulls, extents and whatever else only depends on what is furthest out; fewer
+        than :attr:`vertices` on a part of a coarse shape, else the same.
+        """
+        extremes = self.level.extremes
+        if extremes is None:
+            return self.vertices
+        return frozen(self.shape.geometry.vertices[extremes.of(self.level_elements)])
+
+    @cached_property
     def box_diagonal(self) -> float:
         """Diagonal of the bounding box in the part's own PCA axes, model units."""
-        return float(np.linalg.norm(np.ptp(self.vertices @ self.axes.T, axis=0)))
+        return float(np.linalg.norm(np.ptp(self.extreme_vertices @ self.axes.T, axis=0)))
 
     @cached_property
     def n_components(self) -> int:

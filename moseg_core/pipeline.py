@@ -23,6 +23,7 @@ from moseg_core.method import (
     Method,
     Ready,
     prepare,
+    read_finalists,
     read_resolution,
     read_restarts,
     settled,
@@ -36,13 +37,14 @@ from moseg_core.shape import Shape
 from moseg_core.specs import Kind
 from moseg_core.starts import (
     Listener,
-    all_starts,
+    Plan,
+    carry_out,
     disagreement,
-    finish,
     rougher,
     searched_shape,
     shared_budget,
 )
+from moseg_core.workers import read_workers
 
 _KINDS: tuple[Kind, ...] = ("parameterization", "seeder", "labeler", "optimizer")
 
@@ -60,10 +62,12 @@ def segment(
     freeze: Sequence[str] = (),
     pins: Mapping[str, npt.ArrayLike] | None = None,
     restarts: int | str | None = None,
+    finalists: int | str | None = None,
     resolution: int | str | None = None,
     settings: str = "default",
     seed: int = 0,
     max_seconds: float | None = None,
+    workers: int = 1,
     report: Report | None = None,
 ) -> Result:
     """Find the labelled segmentation of a shape that satisfies a problem best.
@@ -86,6 +90,9 @@ def segment(
         Number of starts, each with random numbers of its own. They share a limit on evaluations
         and seconds; the best result is returned, the costs of all are in its history. By default
         what the method or the settings say, and one where it would be the same every time.
+    finalists : int, optional
+        How many of the starts, the best after a while, go on to the end; all where there is a
+        limit on evaluations. By default what the method or the settings say.
     resolution : int or "full", optional
         Number of super-elements on which to seed and search, where the shape has more than 1.5
         times as many elements. By default what the method or the settings say.
@@ -96,6 +103,9 @@ def segment(
         Seed of the random generator; the same seed gives the same result.
     max_seconds : float, optional
         Ends the search after about this time. The result then depends on the machine.
+    workers : int
+        Number of processes to share the starts among, where the system can fork them; it makes no
+        difference to the result.
     report : callable, optional
         Receives a :class:`moseg_core.protocols.Progress` now and then; ends the run with the
         best found so far by returning True.
@@ -136,8 +146,10 @@ def segment(
     extent = {
         "resolution": chosen.resolution if resolution is None else resolution,
         "restarts": chosen.restarts if restarts is None else restarts,
+        "finalists": chosen.finalists if finalists is None else finalists,
     }
     size, starts = read_resolution(extent["resolution"]), read_restarts(extent["restarts"])
+    last, processes = read_finalists(extent["finalists"]), read_workers(workers)
     given["seeder"] = tuned(
         chosen.seeder if seeder is None else Choice.read(seeder, "seeder"), settings
     )
@@ -162,25 +174,25 @@ def segment(
         partition: Parameterization = ready["parameterization"].make(level, n)
         rough = Evaluator(level, problem, partition, pins=coarse_pins(pinned, level), input=whole)
         ready = rougher(ready, settings)
-    outcomes = all_starts(
-        rough,
-        shared_budget(ready, starts),
-        starts,
-        seed,
-        listener,
+    plan = Plan(
+        rough=rough,
+        whole=whole,
+        ready=shared_budget(ready, starts),
+        restarts=starts,
+        finalists=last,
+        seed=seed,
         start=begin,
         frozen=frozen,
         deadline=deadline,
         repeats=restarts is not None,
     )
-    best = min(outcomes, key=lambda outcome: outcome.cost)
-    if rough is not whole:
-        best = finish(rough, whole, outcomes, listener, frozen=frozen, deadline=deadline)
+    outcomes, best = carry_out(plan, processes, listener)
     reason = best.reason
     if listener.stopped:
         reason = "interrupted"
     elif "seconds" in (reason, outcomes[-1].reason):
         reason = "seconds"
+    stopped = reason in ("interrupted", "seconds")
     labels = whole.labels(best.vector)
     segmentation = whole.segmentation(labels)
     evaluation = whole.evaluate_labels(labels)
@@ -190,7 +202,8 @@ def segment(
     history = dict(best.history)
     if starts > 1 and (len(outcomes) > 1 or restarts is not None):
         history["restarts"] = tuple(
-            {"value": o.cost.value, "empty": o.cost.empty} for o in outcomes
+            {"value": o.cost.value, "empty": o.cost.empty, "finalist": int(o.reason != "paused")}
+            for o in outcomes
         )
     return Result(
         shape=shape,
@@ -206,7 +219,8 @@ def segment(
             },
             "settings": settings,
             "resolution": str(size),
-            "restarts": str(starts),
+            "restarts": str(starts if stopped else len(outcomes)),
+            "finalists": str(last),
         },
         seed=seed,
         versions=_versions(problem, ready),

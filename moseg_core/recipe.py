@@ -8,7 +8,7 @@
     seeder = "kmeans"                       # optional, as are labeler and optimizer
     optimizer = "pattern_search(expansion=2)"
     resolution = 2000                       # optional; or "full"
-    restarts = 4                            # optional
+    restarts = 4                            # optional, as is finalists
 
 Bundles bring recipes through the hook ``moseg_recipes``; anybody else gives a path.
 """
@@ -23,7 +23,7 @@ from typing import Any
 
 from moseg_core.errors import PluginError, UsageError, unknown
 from moseg_core.language import parse
-from moseg_core.method import Choice, Method, read_resolution, read_restarts
+from moseg_core.method import Choice, Method, read_finalists, read_resolution, read_restarts
 from moseg_core.plugins import Registry, registry
 from moseg_core.problem import check_label_names
 from moseg_core.specs import Kind
@@ -32,6 +32,7 @@ _METHOD_KEYS: tuple[Kind, ...] = ("parameterization", "seeder", "labeler", "opti
 _EXTENT: dict[str, Callable[[object], Any]] = {
     "resolution": read_resolution,
     "restarts": read_restarts,
+    "finalists": read_finalists,
 }
 
 

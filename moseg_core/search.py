@@ -1,12 +1,14 @@
 """One run of the search: where it starts, and the loop of asking and telling (Sec. 5 to 7).
 
-The optimizer may see fewer coordinates than the parameterization has: those of frozen labels stay
-as they are at the start. Everything else about a run, how it is seeded and labelled, is decided
-by the components that it is given.
+A run can be paused and go on later: of several starts (:mod:`moseg_core.starts`) those that look
+poor after a while are not finished. The optimizer may see fewer coordinates than the
+parameterization has: those of frozen labels stay as they are at the start. Everything else about
+a run, how it is seeded and labelled, is decided by the components that it is given.
 """
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -42,7 +44,7 @@ class Outcome:
     vector : (m,) float
     cost : Cost
     reason : str
-        "converged", or the limit that ended the search.
+        "converged", "paused", or the limit that ended the search.
     history : mapping of str to tuple of dict
         Records of the stages "seeding" and "search".
     warning : str
@@ -56,7 +58,38 @@ class Outcome:
     warning: str = ""
 
 
-def search_once(
+@dataclass(eq=False, kw_only=True)
+class Run:
+    """A search under way: an optimizer, and what it does not know of.
+
+    Parameters
+    ----------
+    search : Optimizer or None
+        None where no coordinate is free.
+    base : (m,) float
+        Where it began, with the values of the coordinates that are not free.
+    free : (m,) bool
+        The coordinates that the optimizer sees.
+    stage : str
+        What to call it in reports and in the history.
+    seeding : tuple of dict
+        History of the seeder.
+    warning : str
+        From the seeder; empty where all is well.
+    evaluations : int
+        Candidates evaluated so far.
+    """
+
+    search: Optimizer | None
+    base: FloatArray
+    free: BoolArray
+    stage: str
+    seeding: tuple[dict[str, float], ...] = ()
+    warning: str = ""
+    evaluations: int = 0
+
+
+def begin(
     evaluator: Evaluator,
     ready: Mapping[Kind, Ready],
     *,
@@ -65,8 +98,8 @@ def search_once(
     start: Centers | None = None,
     frozen: Sequence[int] = (),
     deadline: float | None = None,
-) -> Outcome:
-    """Seed, label and optimise.
+) -> Run:
+    """Seed and label, and set up the optimizer.
 
     Parameters
     ----------
@@ -101,104 +134,123 @@ def search_once(
             raise UsageError("the start must have finite centres and positive, finite weights")
         raise PluginError(f"{ready['seeder'].who} placed centres outside the bounds")
     vector = _towards_pins(evaluator, vector, frozen)
-
-    found = _optimize(
+    return set_up(
         evaluator,
         ready["optimizer"],
         vector,
         rng=rng,
-        report=report,
         frozen=frozen,
-        deadline=deadline,
-        stage="search",
+        stage=ready["optimizer"].component.spec.name,
+        seeding=seeding,
     )
-    return replace(
-        found,
-        history={"seeding": seeding.history if seeding else (), **found.history},
+
+
+def set_up(
+    evaluator: Evaluator,
+    ready: Ready,
+    vector: FloatArray,
+    *,
+    rng: np.random.Generator,
+    frozen: Sequence[int],
+    stage: str,
+    seeding: Seeding | None = None,
+) -> Run:
+    """An optimizer over the coordinates that are not frozen."""
+    partition = evaluator.parameterization
+    free = _free(partition, vector, frozen)
+    search: Optimizer | None = None
+    if free.any():
+        bounds = partition.lower[free], partition.upper[free], partition.scale[free]
+        search = ready.make(vector[free], *bounds, rng=rng)
+    return Run(
+        search=search,
+        base=vector,
+        free=free,
+        stage=stage,
+        seeding=tuple(seeding.history) if seeding else (),
         warning=seeding.warning if seeding else "",
     )
 
 
-def polish(
+def go_on(
+    run: Run,
     evaluator: Evaluator,
     ready: Ready,
-    vector: FloatArray,
     *,
-    rng: np.random.Generator,
     report: Report,
-    frozen: Sequence[int] = (),
     deadline: float | None = None,
+    until: float = math.inf,
 ) -> Outcome:
-    """Improve what was found on a coarse shape.
+    """Ask and tell until the optimizer has finished, or something says stop.
 
     Parameters
     ----------
+    run : Run
     evaluator : Evaluator
-        Of the shape of input elements.
     ready : Ready
-        The optimizer to do it with, a short one.
-    vector : (m,) float
-    rng : numpy.random.Generator
+        What the optimizer was made from, to call it by its name.
     report : callable
-    frozen : sequence of int
-        Labels whose centres stay where they are.
     deadline : float, optional
-        On the clock of :func:`time.monotonic`.
+        On the clock of :func:`time.monotonic`; looked at after each batch.
+    until : float
+        After how many evaluations to pause; the outcome's reason is then "paused".
 
     Returns
     -------
     Outcome
-        Its history has the stage "polish".
+        Its history has the stages "seeding", where there was one, and "search" or "polish".
     """
-    return _optimize(
-        evaluator,
-        ready,
-        vector,
-        rng=rng,
-        report=report,
-        frozen=frozen,
-        deadline=deadline,
-        stage="polish",
-    )
-
-
-def _optimize(
-    evaluator: Evaluator,
-    ready: Ready,
-    vector: FloatArray,
-    *,
-    rng: np.random.Generator,
-    report: Report,
-    frozen: Sequence[int],
-    deadline: float | None,
-    stage: str,
-) -> Outcome:
-    """Run an optimizer over the coordinates that are not frozen; `stage` names its history."""
-    partition = evaluator.parameterization
-    free = _free(partition, vector, frozen)
-    if not free.any():
-        cost = evaluator.evaluate(vector).cost
-        return Outcome(vector=vector, cost=cost, reason="converged", history={stage: ()})
-    bounds = partition.lower[free], partition.upper[free], partition.scale[free]
-    search: Optimizer = ready.make(vector[free], *bounds, rng=rng)
-    reason = run_search(
-        search,
-        evaluator,
-        deadline,
-        report,
-        ready=ready,
-        base=vector,
-        free=free,
-        stage=ready.component.spec.name if stage == "search" else stage,
-    )
+    stage = "polish" if run.stage == "polish" else "search"
+    seeding = {} if stage == "polish" else {"seeding": run.seeding}
+    search = run.search
+    if search is None:
+        cost = evaluator.evaluate(run.base).cost
+        return Outcome(
+            vector=run.base,
+            cost=cost,
+            reason="converged",
+            history={**seeding, stage: ()},
+            warning=run.warning,
+        )
+    reason = _ask_and_tell(run, search, evaluator, ready, report, deadline, until)
     with ready.guard():
         (found, cost), records = search.best, _plain_records(search.history)
     return Outcome(
-        vector=_expand(found[None], vector, free)[0],
+        vector=_expand(found[None], run.base, run.free)[0],
         cost=cost,
         reason=reason,
-        history={stage: records},
+        history={**seeding, stage: records},
+        warning=run.warning,
     )
+
+
+def _ask_and_tell(
+    run: Run,
+    search: Optimizer,
+    evaluator: Evaluator,
+    ready: Ready,
+    report: Report,
+    deadline: float | None,
+    until: float,
+) -> str:
+    """The loop; why it ended."""
+    with ready.guard():
+        finished = search.finished
+    while not finished:
+        if run.evaluations >= until:
+            return "paused"
+        batch = _ask(ready, search, int(run.free.sum()))
+        costs = evaluator.costs(replace(batch, vectors=_expand(batch.vectors, run.base, run.free)))
+        with ready.guard():
+            search.tell(costs)
+            finished, best, fraction = search.finished, search.best[1], search.progress
+        run.evaluations += len(batch.vectors)
+        stop = report(Progress(stage=run.stage, done=run.evaluations, best=best, fraction=fraction))
+        if stop and not finished:
+            return "interrupted"
+        if deadline is not None and time.monotonic() >= deadline and not finished:
+            return "seconds"
+    return finished
 
 
 def _free(partition: Parameterization, vector: FloatArray, frozen: Sequence[int]) -> BoolArray:
@@ -207,53 +259,6 @@ def _free(partition: Parameterization, vector: FloatArray, frozen: Sequence[int]
     for label in frozen:
         free[partition.coordinates(label)] = False
     return free
-
-
-def run_search(
-    search: Optimizer,
-    evaluator: Evaluator,
-    deadline: float | None,
-    report: Report,
-    *,
-    ready: Ready,
-    base: FloatArray,
-    free: BoolArray,
-    stage: str,
-) -> str:
-    """Ask and tell until the optimizer has finished or the time is up; the reason it ended.
-
-    Parameters
-    ----------
-    search : Optimizer
-    evaluator : Evaluator
-    deadline : float or None
-        On the clock of :func:`time.monotonic`; looked at after each batch.
-    report : callable
-    ready : Ready
-        The component that the optimizer was made from, to call it by its name.
-    base : (m,) float
-        Values of the coordinates that are not free.
-    free : (m,) bool
-        The coordinates that the optimizer sees.
-    stage : str
-        What to call it in reports.
-    """
-    before = evaluator.evaluations
-    with ready.guard():
-        finished = search.finished
-    while not finished:
-        batch = _ask(ready, search, int(free.sum()))
-        costs = evaluator.costs(replace(batch, vectors=_expand(batch.vectors, base, free)))
-        with ready.guard():
-            search.tell(costs)
-            finished, best, fraction = search.finished, search.best[1], search.progress
-        done = evaluator.evaluations - before
-        stop = report(Progress(stage=stage, done=done, best=best, fraction=fraction))
-        if stop and not finished:
-            return "interrupted"
-        if deadline is not None and time.monotonic() >= deadline and not finished:
-            return "seconds"
-    return finished
 
 
 def _towards_pins(evaluator: Evaluator, vector: FloatArray, frozen: Sequence[int]) -> FloatArray:

@@ -28,6 +28,7 @@ import numpy.typing as npt
 
 from moseg_core.adjacency import Adjacency, enclosed_volume, mesh_adjacency
 from moseg_core.errors import ShapeError
+from moseg_core.extreme import Extremes, find_extremes
 from moseg_core.mesh import PolygonMesh
 from moseg_core.types import FloatArray, IntArray, frozen
 
@@ -237,6 +238,11 @@ class Shape:
         before = np.cumsum(sizes) - sizes
         inside = np.arange(int(sizes.sum())) - np.repeat(before, sizes)
         return np.sort(order[np.repeat(starts[elements], sizes) + inside])
+
+    @cached_property
+    def extremes(self) -> Extremes | None:
+        """Vertices that matter to the hull of each element; None where elements are the input's."""
+        return None if self.members is None else find_extremes(self.geometry, self.members)
 
     @cached_property
     def unit_points(self) -> FloatArray:

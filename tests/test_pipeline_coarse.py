@@ -7,6 +7,8 @@ import math
 import numpy as np
 import pytest
 
+from moseg_core.builtin.voronoi import Voronoi
+from moseg_core.coarse import coarsen
 from moseg_core.cost import Cost
 from moseg_core.errors import UsageError
 from moseg_core.method import Choice, Method
@@ -73,12 +75,14 @@ def test_objectives_see_the_users_shape_only(result):
 def test_polishing_does_not_make_it_worse(result):
     values = [record["value"] for record in result.history["polish"]]
     assert values == sorted(values, reverse=True)
-    assert len(result.history["restarts"]) == 2
+    records = result.history["restarts"]
+    assert len(records) == 8
+    assert sum(record["finalist"] for record in records) >= 2
 
 
 def test_the_result_says_how_it_was_made_and_that_can_be_given_again(result):
     assert result.method["resolution"] == "200"
-    assert result.method["restarts"] == "2"
+    assert result.method["restarts"] == "8"
     assert result.method["settings"] == "default"
     again = segment(SHAPE, PROBLEM, **result.method)
     assert again.labels.tobytes() == result.labels.tobytes()
@@ -114,6 +118,7 @@ def test_settings_of_the_paper():
         "settings": "paper",
         "resolution": "full",
         "restarts": "1",
+        "finalists": "1",
     }
     assert set(found.history) == {"seeding", "search"}
 
@@ -121,7 +126,7 @@ def test_settings_of_the_paper():
 def test_default_settings_shorten_the_evolution_unless_it_is_described():
     plain = {"optimizer": "pattern_search(max_evaluations=1)", "resolution": 60}
     short = run(seeder="evolution", **plain)
-    assert short.method["seeder"] == "core:evolution(population=20, iterations=8)"
+    assert short.method["seeder"] == "core:evolution(population=20, iterations=6)"
     assert short.method["restarts"] == "1"
     own = run(seeder="evolution(population=3, iterations=2)", **plain)
     assert own.method["seeder"] == "core:evolution(population=3, iterations=2)"
@@ -190,16 +195,17 @@ def test_a_coarse_result_that_loses_a_part_comes_last(monkeypatch):
     from moseg_core import starts
     from moseg_core.search import Outcome
 
+    shape = coarsen(SHAPE, 200)
+    partition = Voronoi(shape, 2)
     good = Centers(positions=SHAPE.points[[100, 1200]], weights=np.ones(2))
     lost = Centers(positions=SHAPE.points[[100, 100]], weights=np.ones(2))
-    queue = [(lost, Cost(0, 0.0)), (good, Cost(0, 5.0))]
-
-    def fake(evaluator, ready, **more):
-        centers, cost = queue.pop(0)
-        vector = evaluator.parameterization.encode(centers)
-        return Outcome(vector=vector, cost=cost, reason="converged", history={})
-
-    monkeypatch.setattr(starts, "search_once", fake)
+    outcomes = [
+        Outcome(
+            vector=partition.encode(centers), cost=Cost(0, cost), reason="converged", history={}
+        )
+        for centers, cost in ((lost, 0.0), (good, 5.0))
+    ]
+    monkeypatch.setattr(starts, "all_starts", lambda plan, pool: outcomes)
     monkeypatch.setattr(starts, "_POLISHED", 0)
     found = run(restarts=2)
     assert found.evaluation.empty == ()
@@ -213,6 +219,10 @@ def test_a_coarse_result_that_loses_a_part_comes_last(monkeypatch):
         ({"resolution": "fine"}, "resolution must be 'full' or a number"),
         ({"resolution": 1}, "a resolution of 1 is too low for 2 labels"),
         ({"restarts": 0}, "at least one start, not 0"),
+        ({"finalists": 0}, "at least one finalist, not 0"),
+        ({"finalists": "two"}, "number of finalists must be a whole number, not 'two'"),
+        ({"workers": 0}, "at least one worker, not 0"),
+        ({"workers": "2"}, "number of workers must be a whole number, not '2'"),
         ({"restarts": "two"}, "number of starts must be a whole number, not 'two'"),
         ({"settings": "papers"}, "unknown settings 'papers'; did you mean 'paper'?"),
     ],
@@ -220,3 +230,71 @@ def test_a_coarse_result_that_loses_a_part_comes_last(monkeypatch):
 def test_malformed_requests_are_refused(options, message):
     with pytest.raises(UsageError, match=message):
         run(**options)
+
+
+def everything(result):
+    return (
+        result.labels.tobytes(),
+        result.evaluation.cost,
+        result.history,
+        result.method,
+        result.centers.positions.tobytes(),
+        result.warnings,
+    )
+
+
+@pytest.mark.parametrize("resolution", [200, "full"])
+def test_the_number_of_processes_makes_no_difference(resolution):
+    options = {
+        "seeder": "evolution(population=4, iterations=2)",
+        "optimizer": "pattern_search",
+        "resolution": resolution,
+        "restarts": 5,
+    }
+    assert everything(run(workers=2, **options)) == everything(run(**options))
+
+
+def test_a_run_without_random_numbers_is_alone_with_several_processes_too():
+    assert everything(run(workers=3)) == everything(run())
+
+
+@pytest.mark.parametrize("stage", ["evolution", "pattern_search", "polish"])
+def test_a_report_can_end_every_stage_in_processes(stage):
+    found = run(
+        seeder="evolution(population=4, iterations=3)",
+        report=lambda progress: progress.stage == stage,
+        restarts=3,
+        workers=2,
+    )
+    assert found.reason == "interrupted"
+    assert found.evaluation.cost == PROBLEM.evaluate(SHAPE, found.labels).cost
+
+
+def test_the_better_half_goes_on():
+    options = {
+        "seeder": "evolution(population=2, iterations=1)",
+        "optimizer": "pattern_search(threshold=0.0001)",
+        "restarts": 8,
+    }
+    race = run(finalists=2, **options)
+    records = race.history["restarts"]
+    assert [record["finalist"] for record in records].count(1) < 8
+    every = run(finalists=8, **options)
+    assert all(record["finalist"] for record in every.history["restarts"])
+    # Each start is the same as when all go on to the end; the others only stopped earlier.
+    for cut, whole in zip(records, every.history["restarts"], strict=True):
+        if cut["finalist"]:
+            assert cut == whole
+        else:
+            assert cut["value"] >= whole["value"]
+    assert every.evaluation.cost <= race.evaluation.cost
+
+
+def test_all_go_on_under_a_limit_on_evaluations():
+    found = run(
+        seeder="evolution(population=2, iterations=1)",
+        optimizer="pattern_search(max_evaluations=80)",
+        restarts=4,
+        finalists=1,
+    )
+    assert all(record["finalist"] for record in found.history["restarts"])

@@ -65,7 +65,7 @@ def test_a_recipe_at_least():
         ),
         (f"{LEAST}seder = 'x'", "recipe 'mine': unknown key 'seder'; did you mean 'seeder'?"),
         (f"{LEAST}[recipe]\nx = 1", "recipe 'mine': unknown key 'recipe'; "),
-        (f"{LEAST}zz = 1", "recipe 'mine': unknown key 'zz'; known: description, labeler, "),
+        (f"{LEAST}zz = 1", "recipe 'mine': unknown key 'zz'; known: description, finalists, "),
         (f"{LEAST}description = 3", "recipe 'mine': 'description' must be a text; it is 3"),
     ],
 )

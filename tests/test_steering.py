@@ -68,8 +68,8 @@ def test_freezing_an_unknown_label_is_refused():
 
 def test_several_starts_keep_the_best():
     choice = "evolution(population=4, iterations=1)"
-    single = segment(SHAPE, PROBLEM, seeder=choice, seed=5)
-    several = segment(SHAPE, PROBLEM, seeder=choice, seed=5, restarts=4)
+    single = segment(SHAPE, PROBLEM, seeder=choice, seed=5, restarts=1)
+    several = segment(SHAPE, PROBLEM, seeder=choice, seed=5, restarts=4, finalists=4)
     costs = [record["value"] for record in several.history["restarts"]]
     assert len(costs) == 4
     assert costs[0] == single.cost

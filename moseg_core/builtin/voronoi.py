@@ -12,7 +12,6 @@ Sec. 3.1.
 
 from __future__ import annotations
 
-import os
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -21,15 +20,10 @@ from moseg_core.kernels.flood import flood_labels, voronoi_labels
 from moseg_core.protocols import Centers
 from moseg_core.shape import Shape
 from moseg_core.types import FloatArray, Int32Array, IntArray
+from moseg_core.workers import available_workers
 
 #: Below so many labels to find, threads take longer to start than they save.
 _WORTH_THREADS = 300_000
-
-
-def _cores() -> int:
-    """Processors that this process may use, where the system tells; all of them elsewhere."""
-    affinity = getattr(os, "sched_getaffinity", None)
-    return len(affinity(0)) if affinity is not None else os.cpu_count() or 1
 
 
 class Voronoi:
@@ -95,7 +89,7 @@ class Voronoi:
                     points, centers, weights, adjacency.indptr, adjacency.indices, labels[b]
                 )
 
-        workers = min(len(rows), _cores())
+        workers = min(len(rows), available_workers())
         if workers < 2 or labels.size < _WORTH_THREADS:
             for b in range(len(rows)):
                 partition(b)

@@ -50,10 +50,12 @@ def segment(
     pin: Repeated = None,
     freeze: str | None = None,
     restarts: int | None = None,
+    finalists: int | None = None,
     resolution: str | None = None,
     settings: Literal["default", "paper"] = "default",
     seed: int = 0,
     max_seconds: float | None = None,
+    workers: int | None = None,
     out: Outputs = None,
     json: Flag = False,
     quiet: Flag = False,
@@ -93,6 +95,8 @@ def segment(
         Labels, separated by commas, whose centres stay where they start.
     restarts
         Number of starts; the best result is kept. They share limits on evaluations and seconds.
+    finalists
+        How many of the starts, the best after a while, go on to the end.
     resolution
         Number of super-elements to search on, or "full"; the result is always exact.
     settings
@@ -101,6 +105,8 @@ def segment(
         Seed of the random generator.
     max_seconds
         End the search after about this time; the result then depends on the machine.
+    workers
+        Number of processes; as many as there are processors by default. The result is the same.
     json
         Print a summary as JSON instead of tables.
     quiet
@@ -119,10 +125,12 @@ def segment(
         pins=pin or [],
         freeze=freeze,
         restarts=restarts,
+        finalists=finalists,
         resolution=resolution,
         settings=settings,
         seed=seed,
         max_seconds=max_seconds,
+        workers=workers,
         outputs=out or [],
         as_json=json,
         quiet=quiet,

@@ -19,6 +19,7 @@ from moseg_core.io.writers import evaluation_document
 from moseg_core.method import Choice, read_resolution
 from moseg_core.pipeline import check_frozen, check_limits, matched_centers, prepare_method, segment
 from moseg_core.result import Result
+from moseg_core.workers import available_workers, read_workers
 
 
 def run_segment(
@@ -33,10 +34,12 @@ def run_segment(
     pins: Sequence[str],
     freeze: str | None,
     restarts: int | None,
+    finalists: int | None,
     resolution: str | None,
     settings: str,
     seed: int,
     max_seconds: float | None,
+    workers: int | None,
     outputs: list[Path],
     as_json: bool,
     quiet: bool,
@@ -51,6 +54,7 @@ def run_segment(
     begin = matched_centers(earlier.names, earlier.centers, problem) if earlier else None
     pinned = read_pins(pins)
     check_limits(seed, max_seconds)
+    processes = available_workers() if workers is None else read_workers(workers)
     frozen = [name.strip() for name in freeze.split(",")] if freeze else []
     check_frozen(problem, frozen)
     if start is not None and centers is not None:
@@ -80,10 +84,12 @@ def run_segment(
             freeze=frozen,
             pins=pinned,
             restarts=restarts,
+            finalists=finalists,
             resolution=resolution,
             settings=settings,
             seed=seed,
             max_seconds=max_seconds,
+            workers=processes,
             report=lambda progress: show(progress) or stop(),
         )
     for warning in result.warnings:

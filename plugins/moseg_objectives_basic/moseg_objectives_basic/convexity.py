@@ -45,7 +45,7 @@ def hull_volume(part: Part) -> float:
     """
     # Stretched to a cube along its principal axes, a part does not depend on units and place, and
     # a thin one does not trouble Qhull with facets that are narrower than its tolerances.
-    local = (part.vertices - part.centroid) @ part.axes.T
+    local = (part.extreme_vertices - part.centroid) @ part.axes.T
     size = np.ptp(local, axis=0)
     if len(local) < 4 or size.min() <= _FLAT * size.max():
         return 0.0

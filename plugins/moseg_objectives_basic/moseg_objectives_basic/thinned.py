@@ -21,7 +21,7 @@ FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 
 _SAMPLES = 600
-_SURFACE = 8000
+_SURFACE = 5000
 
 
 class Thinned:
