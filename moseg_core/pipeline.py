@@ -190,7 +190,7 @@ def segment(
     reason = best.reason
     if listener.stopped:
         reason = "interrupted"
-    elif "seconds" in (reason, outcomes[-1].reason):
+    elif "seconds" in (reason, *(outcome.reason for outcome in outcomes)):
         reason = "seconds"
     stopped = reason in ("interrupted", "seconds")
     labels = whole.labels(best.vector)

@@ -196,7 +196,7 @@ def carry_out(plan: Plan, workers: int, listener: Listener) -> tuple[list[Outcom
         outcomes = all_starts(plan, pool)
         if plan.rough is plan.whole:
             return outcomes, min(outcomes, key=lambda outcome: outcome.cost)
-        return outcomes, finish(plan, outcomes, pool, listener)
+        return outcomes, finish(plan, outcomes, pool)
 
 
 def all_starts(plan: Plan, pool: Workers) -> list[Outcome]:
@@ -237,7 +237,7 @@ def _distinct(evaluator: Evaluator, outcomes: Sequence[Outcome]) -> list[int]:
     return list(found.values())
 
 
-def finish(plan: Plan, outcomes: Sequence[Outcome], pool: Workers, listener: Listener) -> Outcome:
+def finish(plan: Plan, outcomes: Sequence[Outcome], pool: Workers) -> Outcome:
     """The best of what was found on the coarse shape, by its cost on the whole one.
 
     The finalists, and all others where each of those loses a part between the levels, are

@@ -21,6 +21,8 @@ app = App(
 )
 plugin_app = App(name="plugin", help="Installed bundles of objectives, seeders, formats and more.")
 app.command(plugin_app)
+benchmark_app = App(name="benchmark", help="How well results agree with people.")
+app.command(benchmark_app)
 
 Outputs = Annotated[
     list[Path] | None,
@@ -182,13 +184,20 @@ def evaluate(
     result: Path,
     /,
     *truths: Path,
+    rename: str | None = None,
     json: Flag = False,
 ) -> None:
-    """Compare a labelling with true ones: 1 - Rand Index, and names given rightly.
+    """Compare a labelling with true ones: the measures of the Princeton benchmark, and names.
+
+    0 is best for all but the share of the area that is named right. Rand Index (1 - RI), cut
+    discrepancy, Hamming distance and consistency errors (GCE, LCE) are explained in
+    docs/metrics.md.
 
     Examples
     --------
     moseg evaluate horse.off result.json truth.seg
+
+    moseg evaluate cow.off result.json cow_labels.txt --rename body=torso
 
     Parameters
     ----------
@@ -198,12 +207,14 @@ def evaluate(
         Labelling to judge: .seg, .txt, .json or .ply.
     truths
         One or more labellings to compare with.
+    rename
+        Names of the result and what the truth calls them: given=true,given=true.
     json
-        Print JSON instead of a table.
+        Print JSON instead of tables.
     """
     from moseg_core.cli.evaluate import run_evaluate
 
-    run_evaluate(shape, result, truths, as_json=json)
+    run_evaluate(shape, result, truths, rename=rename, as_json=json)
 
 
 @app.command
@@ -232,6 +243,64 @@ def sample(
     from moseg_core.cli.sample import run_sample
 
     run_sample(name, out, labels)
+
+
+@benchmark_app.command
+def psb(
+    *,
+    data: Path,
+    category: Repeated = None,
+    recipe_for: Repeated = None,
+    settings: str = "default",
+    seeds: str = "0",
+    workers: int | None = None,
+    resume: Flag = False,
+    out: Annotated[Path, Parameter(name=["--out", "-o"])],
+    quiet: Flag = False,
+) -> None:
+    """Compare results, k-means and people on the Princeton Segmentation Benchmark.
+
+    Its data is not part of moseg; nothing is downloaded. Prints 1 - Rand Index by category, and
+    what people's parts cost under the recipe beside the cost found; writes both with pictures.
+
+    Examples
+    --------
+    moseg benchmark psb --data psb --category Fourleg --settings default,paper --seeds 0-2 -o report
+
+    Parameters
+    ----------
+    data
+        Folder with off/ID.off, seg/ID/ID_K.seg and labels/ID_labels.txt.
+    category
+        Only these models: Fourleg, Human, ... Repeatable.
+    recipe_for
+        Which recipe to search a category's models with: Fourleg=horse, or a path. Repeatable.
+    settings
+        "default", "paper", or both with a comma between.
+    seeds
+        Seeds of the searches, such as 0-2 or 0,5.
+    workers
+        Number of processes; as many as there are processors by default. Each search has one.
+    resume
+        Take over from an earlier run into the same folder what was asked in the same way.
+    out
+        Folder for index.html, report.json, pictures and the labels found.
+    quiet
+        Print the tables only.
+    """
+    from moseg_core.cli.benchmark import run_psb
+
+    run_psb(
+        data,
+        categories=category or [],
+        recipes=recipe_for or [],
+        settings=settings,
+        seeds=seeds,
+        workers=workers,
+        resume=resume,
+        out=out,
+        quiet=quiet,
+    )
 
 
 @plugin_app.command(name="list")

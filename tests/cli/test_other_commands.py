@@ -84,7 +84,7 @@ def test_evaluate(moseg, mallet, segmented, tmp_path):
     assert told["truths"][0]["rand_index_error"] == 0
     assert told["truths"][0]["named_right"] is None
     assert told["truths"][1]["named_right"] == 1
-    assert "area named right" in moseg("evaluate", mallet, segmented, seg).out
+    assert "1-RI" in moseg("evaluate", mallet, segmented, seg).out
     assert moseg("evaluate", mallet, segmented).code == 2
 
 

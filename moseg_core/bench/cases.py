@@ -1,0 +1,255 @@
+"""What a benchmark measures, one case at a time.
+
+A case is a model with a method: what people say of it, compared with each other; k-means on the
+face centroids with as many clusters as people see parts (the benchmark's own baseline); a recipe
+under some settings and a seed; or what people's parts cost under the recipe. Whatever goes wrong
+in a case becomes part of its row, so that one bad mesh does not end an hour's work.
+"""
+
+from __future__ import annotations
+
+import itertools
+import statistics
+import time
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from moseg_core.bench.names import Naming, labels_by_overlap, labels_of_names
+from moseg_core.bench.psb import Model
+from moseg_core.errors import MosegError, UsageError
+from moseg_core.io import Labelling, load, read_labels
+from moseg_core.metrics import named_right, rand_index_error
+from moseg_core.pipeline import segment
+from moseg_core.problem import Problem
+from moseg_core.protocols import Report
+from moseg_core.recipe import Recipe
+from moseg_core.shape import Shape
+from moseg_core.types import IntArray
+
+PEOPLE, KMEANS, COSTS = "people", "k-means", "costs"
+"""Methods that need no recipe's search."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Case:
+    """One thing to measure.
+
+    Parameters
+    ----------
+    model : Model
+    method : str
+        "people", "k-means", "costs", or the settings of a search.
+    seed : int
+    recipe : Recipe or None
+        For searches and costs.
+    naming : Naming
+    """
+
+    model: Model
+    method: str
+    seed: int = 0
+    recipe: Recipe | None = None
+    naming: Naming = field(default_factory=Naming)
+
+    @property
+    def searches(self) -> bool:
+        """Whether it is a recipe's search."""
+        return self.method not in (PEOPLE, KMEANS, COSTS)
+
+    @property
+    def key(self) -> str:
+        """A name for files."""
+        recipe = f"-{self.recipe.name}" if self.recipe else ""
+        return f"{self.model.number}{recipe}-{self.method}-{self.seed}"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Row:
+    """What a case came to; None stands for what it does not measure.
+
+    Parameters
+    ----------
+    model : int
+    category, method, recipe : str
+    seed : int
+    rand_index_error : float or None
+        1 - Rand Index by faces, mean over people; 0 is best.
+    named_right : float or None
+        Share of the area with the right name; 1 is best.
+    seconds : float or None
+        Wall-clock time of the search.
+    cost : float or None
+        Of the labelling, under the recipe; of the named parts, for "costs".
+    empty : int
+        Labels without a part.
+    people : tuple of float
+        For "costs": of each person's parts, where every label has one.
+    incomplete : int
+        For "costs": people some label of whom has no part.
+    failure : str
+        Why there are no numbers, or not all.
+    """
+
+    model: int
+    category: str
+    method: str
+    recipe: str = ""
+    seed: int = 0
+    rand_index_error: float | None = None
+    named_right: float | None = None
+    seconds: float | None = None
+    cost: float | None = None
+    empty: int = 0
+    people: tuple[float, ...] = ()
+    incomplete: int = 0
+    failure: str = ""
+
+    @classmethod
+    def read(cls, document: Mapping[str, Any]) -> Row:
+        """From plain data, as :func:`dataclasses.asdict` makes them."""
+        return cls(**{**document, "people": tuple(document["people"])})
+
+
+def run_case(case: Case, *, report: Report) -> tuple[Row, IntArray | None]:
+    """Measure one case.
+
+    Parameters
+    ----------
+    case : Case
+    report : callable
+
+    Returns
+    -------
+    row : Row
+    labels : (F,) int or None
+        The labelling that was measured, where there is a single one.
+    """
+    base: dict[str, Any] = {
+        "model": case.model.number,
+        "category": case.model.category,
+        "method": case.method,
+        "recipe": case.recipe.name if case.recipe else "",
+        "seed": case.seed,
+    }
+    try:
+        shape = load(case.model.mesh)
+        people = [read_labels(path, shape.n_elements).labels for path in case.model.people]
+        if not people:
+            raise UsageError("there are no segmentations by people")
+        values, labels = _measure(case, shape, people, report)
+    except MosegError as error:
+        return Row(**base, failure=str(error)), None
+    except Exception as error:  # noqa: BLE001  # a bug in one case must not lose the others' rows
+        return Row(**base, failure=f"{type(error).__name__}: {error}"), None
+    return Row(**base, **values), labels
+
+
+def _measure(
+    case: Case, shape: Shape, people: list[IntArray], report: Report
+) -> tuple[dict[str, Any], IntArray | None]:
+    if case.method == PEOPLE:
+        return _people(people), None
+    if case.method == KMEANS:
+        labels = cluster(shape, round(statistics.median(len(np.unique(p)) for p in people)))
+        return {"rand_index_error": _against(labels, people)}, labels
+    assert case.recipe is not None  # everything else has one
+    problem = Problem(case.recipe.labels, case.recipe.minimize)
+    named = _named(case, shape)
+    if case.method == COSTS:
+        return _costs(case, shape, problem, named, people), None
+    began = time.perf_counter()
+    result = segment(
+        shape,
+        problem,
+        method=case.recipe.method,
+        settings=case.method,
+        seed=case.seed,
+        report=report,
+    )
+    seconds = time.perf_counter() - began
+    values: dict[str, Any] = {
+        "rand_index_error": _against(result.labels.astype(np.int64), people),
+        "seconds": seconds,
+        "cost": result.cost,
+        "empty": len(result.evaluation.empty),
+    }
+    if named is not None and named.names is not None:
+        given = case.naming.renamed(problem.labels)
+        values["named_right"] = named_right(
+            result.labels.astype(np.int64), given, named.labels, named.names, shape.areas
+        )
+    return values, result.labels.astype(np.int64)
+
+
+def _named(case: Case, shape: Shape) -> Labelling | None:
+    if case.model.names is None:
+        return None
+    return read_labels(case.model.names, shape.n_elements)
+
+
+def _against(labels: IntArray, people: list[IntArray]) -> float:
+    """1 - Rand Index, mean over people."""
+    return statistics.fmean(rand_index_error(labels, person) for person in people)
+
+
+def _people(people: list[IntArray]) -> dict[str, Any]:
+    pairs = list(itertools.combinations(people, 2))
+    if not pairs:
+        raise UsageError("one person alone has nobody to agree with")
+    return {"rand_index_error": statistics.fmean(rand_index_error(a, b) for a, b in pairs)}
+
+
+def cluster(shape: Shape, n: int) -> IntArray:
+    """K-means clusters of the elements' places, each counting alike.
+
+    Parameters
+    ----------
+    shape : Shape
+    n : int
+
+    Returns
+    -------
+    (F,) int
+        The same in every run; now and then fewer than `n` different ones.
+    """
+    from scipy.cluster.vq import kmeans2
+
+    with warnings.catch_warnings():
+        # An empty cluster, which the benchmark's measures do not mind.
+        warnings.simplefilter("ignore", UserWarning)
+        found = kmeans2(shape.unit_points, n, minit="++", iter=50, rng=np.random.default_rng(0))
+    return np.asarray(found[1], np.int64)
+
+
+def _costs(
+    case: Case,
+    shape: Shape,
+    problem: Problem,
+    named: Labelling | None,
+    people: list[IntArray],
+) -> dict[str, Any]:
+    """What the named parts, and each person's, cost under the recipe."""
+    if named is None:
+        raise UsageError("there are no named parts, which the recipe's labels could be given to")
+    labels = labels_of_names(shape, named, problem.labels, case.naming)
+    whole = problem.evaluate(shape, labels)
+    costs, incomplete = [], 0
+    for person in people:
+        own = labels_by_overlap(person, labels, shape.areas)
+        evaluation = problem.evaluate(shape, own)
+        if evaluation.empty:
+            incomplete += 1
+        else:
+            costs.append(evaluation.cost.value)
+    missing = ", ".join(whole.empty)
+    return {
+        "cost": whole.cost.value,
+        "empty": len(whole.empty),
+        "people": tuple(costs),
+        "incomplete": incomplete,
+        "failure": f"the named parts leave {missing} without one" if missing else "",
+    }

@@ -1,0 +1,135 @@
+"""Names of parts and labels of a recipe beside each other.
+
+People name kinds of parts, a recipe wants instances: four legs are all ``leg`` in the benchmark
+and ``leg1`` to ``leg4`` in the recipe; and one of the two may tell apart what the other does not.
+To ask what the people's parts *cost* under the recipe, each of its labels needs a part:
+
+- named parts get the recipe's label of the same kind, after some names are merged into others;
+  where the recipe has several labels of the kind, they go to the connected pieces, largest first,
+  and further pieces to the nearest of those;
+- a person's part, which has no name, gets the label of the named part that most of its area is in.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from moseg_core.errors import UsageError, unknown
+from moseg_core.io import Labelling
+from moseg_core.metrics import fold
+from moseg_core.shape import Shape
+from moseg_core.types import FloatArray, IntArray
+
+
+@dataclass(frozen=True)
+class Naming:
+    """How a recipe's labels and the true names go together where they are not the same.
+
+    Parameters
+    ----------
+    rename : mapping of str to str
+        For a recipe's label, without instance number, the true name that it is compared with.
+    merge : mapping of str to str
+        For a true name the recipe's label, without instance number, that it belongs to.
+    """
+
+    rename: Mapping[str, str] = field(default_factory=dict)
+    merge: Mapping[str, str] = field(default_factory=dict)
+
+    def renamed(self, labels: Sequence[str]) -> list[str]:
+        """A recipe's labels as the benchmark calls them, instance numbers folded."""
+        return [self.rename.get(fold(name), fold(name)) for name in labels]
+
+
+def labels_of_names(
+    shape: Shape, named: Labelling, labels: Sequence[str], naming: Naming
+) -> IntArray:
+    """Named parts as parts of a recipe.
+
+    Parameters
+    ----------
+    shape : Shape
+    named : Labelling
+        With names.
+    labels : sequence of str
+        Of the recipe.
+    naming : Naming
+
+    Returns
+    -------
+    (F,) int
+        Index into `labels`. Where there are fewer pieces than labels of a kind, some are not used.
+
+    Raises
+    ------
+    UsageError
+        A name that the recipe has no label for.
+    """
+    names = named.names or ()
+    kinds = [fold(label) for label in labels]
+    found = np.full(shape.n_elements, -1, np.int64)
+    used = {names[k] for k in np.unique(named.labels)}
+    wanted: dict[str, list[str]] = {}
+    for name in sorted(used):
+        kind = naming.merge.get(name, fold(name))
+        if kind not in kinds:
+            problem = unknown("label", kind, sorted(set(kinds)))
+            raise UsageError(f"the recipe has no label for '{name}': {problem}")
+        wanted.setdefault(kind, []).append(name)
+    for kind, group in wanted.items():
+        numbers = [k for k, name in enumerate(names) if name in group]
+        elements = np.flatnonzero(np.isin(named.labels, numbers))
+        instances = [k for k, other in enumerate(kinds) if other == kind]
+        found[elements] = np.array(instances)[_pieces(shape, elements, len(instances))]
+    return found
+
+
+def _pieces(shape: Shape, elements: IntArray, n: int) -> IntArray:
+    """(k,) int: which of at most `n` connected pieces each element belongs to, largest first."""
+    if n == 1 or shape.adjacency is None:
+        return np.zeros(len(elements), np.int64)
+    count, component = shape.adjacency.components(elements)
+    areas = np.bincount(component, shape.areas[elements], count)
+    centers = np.stack(
+        [
+            np.bincount(component, shape.areas[elements] * column, count) / areas.clip(min=1e-300)
+            for column in shape.points[elements].T
+        ],
+        axis=1,
+    )
+    order = np.argsort(-areas, kind="stable")
+    main = order[:n]
+    apart = np.linalg.norm(centers[:, None] - centers[main], axis=2)
+    nearest: IntArray = apart.argmin(axis=1)
+    nearest[main] = np.arange(len(main))
+    return nearest[component]
+
+
+def labels_by_overlap(parts: IntArray, labels: IntArray, areas: FloatArray) -> IntArray:
+    """Unnamed parts, each with the label that most of its area bears elsewhere.
+
+    Parameters
+    ----------
+    parts : (F,) int
+    labels : (F,) int
+        From 0.
+    areas : (F,) float
+
+    Returns
+    -------
+    (F,) int
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> labels_by_overlap(np.array([7, 7, 7, 2]), np.array([1, 1, 0, 0]), np.ones(4)).tolist()
+    [1, 1, 1, 0]
+    """
+    _, part = np.unique(parts, return_inverse=True)
+    overlap = np.zeros((int(part.max()) + 1, int(labels.max()) + 1))
+    np.add.at(overlap, (part, labels), areas)
+    found: IntArray = overlap.argmax(axis=1)[part]
+    return found

@@ -1,0 +1,70 @@
+"""Names of parts put beside the labels of a recipe."""
+
+import numpy as np
+import pytest
+
+from moseg_core import Shape
+from moseg_core.bench.names import Naming, labels_by_overlap, labels_of_names
+from moseg_core.errors import UsageError
+from moseg_core.io import Labelling
+
+# A strip of six squares in a row.
+STRIP = Shape.from_mesh(
+    [[x, y, 0.0] for x in range(7) for y in (0.0, 1.0)],
+    [[2 * k, 2 * k + 2, 2 * k + 3, 2 * k + 1] for k in range(6)],
+)
+
+
+def named(text):
+    names = tuple(sorted(set(text.split())))
+    return Labelling(labels=np.array([names.index(word) for word in text.split()]), names=names)
+
+
+def labels(text, recipe, naming=Naming()):  # noqa: B008  # frozen
+    return labels_of_names(STRIP, named(text), recipe, naming).tolist()
+
+
+def test_single_labels_go_by_name():
+    assert labels("b b a a b b", ["a", "b"]) == [1, 1, 0, 0, 1, 1]
+
+
+def test_instances_go_to_pieces_by_size():
+    assert labels("leg body leg leg body body", ["body", "leg1", "leg2"]) == [2, 0, 1, 1, 0, 0]
+
+
+def test_further_pieces_go_to_the_nearest_of_the_main_ones():
+    assert labels("leg leg b leg b leg", ["b", "leg1"]) == [1, 1, 0, 1, 0, 1]
+    # Squares 4 and 5 are one piece, 0 the first of two of equal size, 2 nearer to 0 than to them.
+    assert labels("leg b leg b leg leg", ["b", "leg1", "leg2"]) == [2, 0, 2, 0, 1, 1]
+
+
+def test_fewer_pieces_leave_labels_unused():
+    assert labels("leg leg b b b b", ["b", "leg1", "leg2"]) == [1, 1, 0, 0, 0, 0]
+
+
+def test_names_can_be_merged():
+    naming = Naming(rename={"body": "torso"}, merge={"torso": "body", "tail": "body"})
+    assert labels("head torso torso torso tail tail", ["head", "body"], naming) == [
+        0,
+        1,
+        1,
+        1,
+        1,
+        1,
+    ]
+    assert naming.renamed(["head", "body", "leg2"]) == ["head", "torso", "leg"]
+
+
+def test_a_name_without_a_label_is_refused():
+    with pytest.raises(UsageError, match="no label for 'wing': unknown label 'wing'"):
+        labels("wing b b b b b", ["b", "ring"])
+
+
+def test_parts_without_names_take_those_of_most_of_their_area():
+    areas = np.array([1.0, 1.0, 5.0, 1.0])
+    assert labels_by_overlap(np.array([3, 3, 3, 9]), np.array([0, 0, 1, 0]), areas).tolist() == [
+        1,
+        1,
+        1,
+        0,
+    ]

@@ -1,0 +1,205 @@
+"""The whole benchmark on a small collection, from the command line and in Python."""
+
+from __future__ import annotations
+
+import json
+from itertools import combinations
+from statistics import fmean
+
+import numpy as np
+import pytest
+
+from moseg_core.bench import cases
+from moseg_core.bench.cases import Case, cluster, run_case
+from moseg_core.bench.names import Naming
+from moseg_core.bench.psb import find_models
+from moseg_core.cli.app import main
+from moseg_core.cli.benchmark import read_recipes, read_seeds
+from moseg_core.errors import UsageError
+from moseg_core.io import load, read_labels
+from moseg_core.metrics import rand_index_error
+from moseg_core.recipe import load_recipe
+
+
+def silent(progress):
+    return False
+
+
+def call(capsys, *words):
+    with pytest.raises(SystemExit) as end:
+        main(["benchmark", "psb", *map(str, words)])
+    return end.value.code, *capsys.readouterr()
+
+
+def wanted(psb, out, *more):
+    recipe = psb / "capsule.toml"
+    return (
+        *("--data", psb, "--recipe-for", f"Cup={recipe}", "--recipe-for", f"fourleg={recipe}"),
+        *("--settings", "default,paper", "--seeds", "0-1", "-o", out, *more),
+    )
+
+
+@pytest.fixture(scope="module")
+def report(psb, tmp_path_factory):
+    out = tmp_path_factory.mktemp("report") / "new"
+    with pytest.raises(SystemExit) as end:
+        main(["benchmark", "psb", *map(str, wanted(psb, out, "--workers", "2", "--quiet"))])
+    assert end.value.code == 0
+    return out
+
+
+@pytest.fixture(scope="module")
+def rows(report):
+    return json.loads((report / "report.json").read_text())["rows"]
+
+
+def test_there_is_a_row_for_every_case(rows):
+    found = [(row["model"], row["method"], row["seed"]) for row in rows]
+    searches = [("default", 0), ("default", 1), ("paper", 0), ("paper", 1)]
+    every = [("people", 0), ("k-means", 0), *searches, ("costs", 0)]
+    assert found == [(model, *case) for model in (21, 25, 381) for case in every]
+
+
+def test_people_are_compared_in_pairs(rows, psb):
+    for model in find_models(psb)[:2]:
+        people = [read_labels(path, load(model.mesh).n_elements).labels for path in model.people]
+        expected = fmean(rand_index_error(a, b) for a, b in combinations(people, 2))
+        (row,) = (r for r in rows if (r["model"], r["method"]) == (model.number, "people"))
+        assert row["rand_index_error"] == pytest.approx(expected, abs=1e-15)
+
+
+def test_searches_are_compared_with_people_and_names(rows, report, psb):
+    model = find_models(psb)[0]
+    shape = load(model.mesh)
+    labels = read_labels(report / "cases" / "21-capsule-default-1.seg", shape.n_elements).labels
+    row = next(r for r in rows if (r["model"], r["method"], r["seed"]) == (21, "default", 1))
+    people = [read_labels(path, shape.n_elements).labels for path in model.people]
+    expected = fmean(rand_index_error(labels, person) for person in people)
+    assert row["rand_index_error"] == pytest.approx(expected, abs=1e-15)
+    true = read_labels(model.names, shape.n_elements)
+    given = np.array(["one", "two", "two"])[labels]
+    right = shape.areas[given == np.array(true.names)[true.labels]].sum() / shape.area
+    assert row["named_right"] == pytest.approx(right)
+    assert row["seconds"] > 0
+    assert row["cost"] > 0
+
+
+def test_a_case_that_fails_is_a_row_with_its_reason(rows):
+    failed = [row for row in rows if row["failure"]]
+    assert {row["model"] for row in failed} == {381}
+    assert {row["failure"] for row in failed} == {"there are no segmentations by people"}
+
+
+def test_the_named_parts_cost_what_they_cost(rows, psb):
+    from moseg_core import Problem
+
+    model = find_models(psb)[1]
+    shape = load(model.mesh)
+    recipe = load_recipe(str(psb / "capsule.toml"))
+    problem = Problem(recipe.labels, recipe.minimize)
+    truth = read_labels(model.people[0], shape.n_elements).labels  # thirds
+    row = next(r for r in rows if (r["model"], r["method"]) == (25, "costs"))
+    expected = problem.evaluate(shape, np.array([1, 0, 2])[truth]).cost.value
+    assert row["cost"] == pytest.approx(expected, rel=1e-9)
+    # The other person put both ends together, so that a label is left without a part.
+    assert row["people"] == [pytest.approx(expected, rel=1e-9)]
+    assert row["incomplete"] == 1
+
+
+def test_the_page_shows_the_worst_first(report, rows):
+    page = (report / "index.html").read_text()
+    shown = [r for r in rows if r["method"] in ("default", "paper") and not r["failure"]]
+    shown = [row for row in shown if row["seed"] == 0]
+    shown.sort(key=lambda row: -row["rand_index_error"])
+    words = [f"{row['category']} {row['model']}, capsule, {row['method']}" for row in shown]
+    places = [page.index(f"<figcaption>{text}") for text in words]
+    assert len(places) == 4
+    assert places == sorted(places)
+    assert "there are no segmentations by people" in page
+    for name in ("21-capsule-default-0.png", "21-person-1.png", "25-person-2.png"):
+        assert (report / "pictures" / name).read_bytes()[1:4] == b"PNG"
+        assert f'src="pictures/{name}"' in page
+
+
+def test_resuming_takes_over_what_was_asked_in_the_same_way(report, rows, psb, capsys, monkeypatch):
+    measured = []
+    real = cases.run_case
+
+    def count(case, *, report):
+        measured.append(case.key)
+        return real(case, report=report)
+
+    monkeypatch.setattr("moseg_core.bench.run.run_case", count)
+    (report / "cases" / "25-capsule-paper-0.seg").unlink()
+    code, out, _ = call(capsys, *wanted(psb, report, "--workers", "1", "--resume"))
+    assert code == 0
+    again = ["25-capsule-paper-0"]
+    assert [key for key in measured if not key.startswith("381")] == again
+    assert "Cup" in out
+    assert "recipe" in out or "search" in out
+    fresh = json.loads((report / "report.json").read_text())["rows"]
+
+    def timeless(all_rows):
+        return [{**row, "seconds": None} for row in all_rows]
+
+    assert timeless(fresh) == timeless(rows)
+
+
+def test_a_bug_in_a_case_is_its_reason(psb, monkeypatch):
+    def broken(case, shape, people, report):
+        raise ZeroDivisionError("by nothing")
+
+    monkeypatch.setattr(cases, "_measure", broken)
+    row, labels = run_case(Case(model=find_models(psb)[0], method="people"), report=silent)
+    assert row.failure == "ZeroDivisionError: by nothing"
+    assert labels is None
+
+
+def test_clusters_are_the_same_in_every_run(psb):
+    shape = load(find_models(psb)[0].mesh)
+    first = cluster(shape, 4)
+    assert sorted(set(first.tolist())) == [0, 1, 2, 3]
+    assert (cluster(shape, 4) == first).all()
+
+
+def test_a_model_without_names_has_no_costs(psb):
+    model = find_models(psb)[0]
+    nameless = type(model)(**{**vars(model), "names": None})
+    recipe = load_recipe(str(psb / "capsule.toml"))
+    case = Case(model=nameless, method="costs", recipe=recipe, naming=Naming())
+    row, _ = run_case(case, report=silent)
+    assert row.failure.startswith("there are no named parts")
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("--category", "Fourlegs"), "unknown category 'Fourlegs'; did you mean 'Fourleg'"),
+        (("--recipe-for", "Cup"), "write --recipe-for Fourleg=horse"),
+        (("--recipe-for", "Cup=hamer"), "did you mean"),
+        (("--settings", "papers"), "unknown settings 'papers'; did you mean 'paper'"),
+        (("--seeds", "2-0"), "the seeds '2-0' are not understood; write 0-2"),
+        (("--workers", "0"), "at least one worker"),
+    ],
+)
+def test_malformed_requests_are_refused_before_any_work(psb, tmp_path, capsys, words, message):
+    code, _, err = call(capsys, "--data", psb, "-o", tmp_path / "r", *words)
+    assert code == 2
+    assert message in err
+    assert not (tmp_path / "r").exists()
+
+
+def test_folders_are_checked(psb, tmp_path, capsys):
+    code, _, err = call(capsys, "--data", psb, "-o", tmp_path / "no" / "r")
+    assert code == 2
+    assert "there is no folder" in err
+    code, _, err = call(capsys, "--data", tmp_path, "-o", tmp_path / "r")
+    assert code == 2
+    assert "does not hold the benchmark" in err
+
+
+def test_seeds_and_recipes_are_read():
+    assert read_seeds("3,0-1,1") == [3, 0, 1]
+    assert read_recipes(["fourleg=horse"])["Fourleg"].name == "horse"
+    with pytest.raises(UsageError, match="write 0-2 or 0,5,7"):
+        read_seeds("all")
