@@ -192,7 +192,8 @@ class Part:
     @cached_property
     def box_diagonal(self) -> float:
         """Diagonal of the bounding box in the part's own PCA axes, model units."""
-        return float(np.linalg.norm(np.ptp(self.extreme_vertices @ self.axes.T, axis=0)))
+        # One row per axis: along rows numpy finds extremes some ten times as fast.
+        return float(np.linalg.norm(np.ptp(self.axes @ self.extreme_vertices.T, axis=1)))
 
     @cached_property
     def n_components(self) -> int:

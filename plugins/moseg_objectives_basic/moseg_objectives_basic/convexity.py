@@ -45,12 +45,13 @@ def hull_volume(part: Part) -> float:
     """
     # Stretched to a cube along its principal axes, a part does not depend on units and place, and
     # a thin one does not trouble Qhull with facets that are narrower than its tolerances.
-    local = (part.extreme_vertices - part.centroid) @ part.axes.T
-    size = np.ptp(local, axis=0)
-    if len(local) < 4 or size.min() <= _FLAT * size.max():
+    # One row per axis: along rows numpy finds extremes some ten times as fast.
+    local = part.axes @ (part.extreme_vertices - part.centroid).T
+    size = np.ptp(local, axis=1)
+    if local.shape[1] < 4 or size.min() <= _FLAT * size.max():
         return 0.0
     try:
-        hull = ConvexHull(local / size)
+        hull = ConvexHull((local / size[:, None]).T)
     except QhullError as error:
         if str(error).startswith("QH6154"):  # flat, though not along the principal axes
             return 0.0
