@@ -1,27 +1,30 @@
 """The corners that count: vertices without which convex hulls and extents come out the same.
 
-What is furthest in some direction is furthest in whatever contains it or is contained by it. So
-the convex hull of a union of super-elements has its corners among the corners of *their* hulls,
+The convex hull of a union of super-elements has its corners among the corners of *their* hulls,
 which are found once for a coarse shape: an inner vertex of a super-element that is bent inwards,
-saddle-shaped or flat never matters again. Hull volumes and bounding boxes of coarse parts
-(:attr:`moseg_core.part.Part.extreme_vertices`) are then those of all vertices, up to rounding, at
-the price of a fraction of them: one in three of a mesh whose faces were each cut into sixteen, two
-in three of one that is as fine and smooth.
+saddle-shaped or flat never matters again. The same holds for blocks of super-elements that are in
+the part as a whole, for blocks of blocks, and so forth. Hull volumes and bounding boxes of coarse
+parts (:attr:`moseg_core.part.Part.extreme_vertices`) are then those of all vertices, up to
+rounding, at the price of a fraction of them.
 """
 
 from __future__ import annotations
 
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
 
 from moseg_core.mesh import PolygonMesh
-from moseg_core.types import BoolArray, IntArray, frozen
+from moseg_core.types import BoolArray, FloatArray, IntArray, frozen
+
+#: Groups in a block.
+_BLOCK = 8
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Extremes:
     """Vertices that may be corners of a hull, by group of faces.
 
@@ -34,30 +37,52 @@ class Extremes:
         Where each group's begin.
     n_vertices : int
         Of the mesh.
+    blocks : (K,) int
+        Which block of groups near each other each group belongs to.
+    of_blocks : Extremes or None
+        The same for the blocks, as groups; None where there is only one.
     """
 
     vertices: IntArray
     starts: IntArray
     n_vertices: int
+    blocks: IntArray
+    of_blocks: Extremes | None
 
     def of(self, groups: IntArray) -> IntArray:
         """(m,) int: the vertices of some groups, ascending, each once."""
         marked: BoolArray = np.zeros(self.n_vertices, np.bool_)
+        self._mark(groups, marked)
+        return np.flatnonzero(marked)
+
+    def _mark(self, groups: IntArray, marked: BoolArray) -> None:
+        """Mark the vertices of whole blocks, and of the groups that are in none."""
+        if self.of_blocks is not None:
+            whole = np.bincount(self.blocks[groups], minlength=len(self._sizes)) == self._sizes
+            self.of_blocks._mark(np.flatnonzero(whole), marked)
+            groups = groups[~whole[self.blocks[groups]]]
         sizes = self.starts[groups + 1] - self.starts[groups]
         before = np.cumsum(sizes) - sizes
         inside = np.arange(int(sizes.sum())) + np.repeat(self.starts[groups] - before, sizes)
         marked[self.vertices[inside]] = True
-        return np.flatnonzero(marked)
+
+    @cached_property
+    def _sizes(self) -> IntArray:
+        """How many groups are in each block."""
+        sizes: IntArray = np.bincount(self.blocks)
+        return sizes
 
 
-def find_extremes(mesh: PolygonMesh, members: IntArray) -> Extremes:
-    """The corners of each group's convex hull.
+def find_extremes(mesh: PolygonMesh, members: IntArray, points: FloatArray) -> Extremes:
+    """The corners of the convex hull of each group of faces, and of blocks of such groups.
 
     Parameters
     ----------
     mesh : PolygonMesh
     members : (F,) int
         The group of each face, 0 to K - 1, each at least once.
+    points : (K, 3) float, model units
+        Where each group is.
 
     Returns
     -------
@@ -73,23 +98,58 @@ def find_extremes(mesh: PolygonMesh, members: IntArray) -> Extremes:
     >>> f = [[0, 1, 8], [1, 3, 8], [3, 2, 8], [2, 0, 8], [4, 6, 7, 5], [0, 4, 5, 1],
     ...      [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
     >>> shape = moseg.Shape.from_mesh(v, f)
-    >>> find_extremes(shape.geometry, np.zeros(9, int)).vertices.tolist()
+    >>> find_extremes(shape.geometry, np.zeros(9, int), np.zeros((1, 3))).vertices.tolist()
     [0, 1, 2, 3, 4, 5, 6, 7]
+    """
+    owner = np.repeat(members[mesh.triangle_polygon], 3)
+    return _extremes(mesh, owner, mesh.triangles.reshape(-1), points)
+
+
+def _extremes(
+    mesh: PolygonMesh, owner: IntArray, vertices: IntArray, points: FloatArray
+) -> Extremes:
+    """The same from pairs of a group and a vertex, and so on for blocks, blocks of those, ..."""
+    from scipy.spatial import cKDTree
+
+    vertices, starts = _corners(mesh, owner, vertices)
+    blocks = np.empty(len(points), np.int64)
+    # Neighbours in the order of a tree's leaves are neighbours in space.
+    blocks[cKDTree(points).indices] = np.arange(len(points)) // _BLOCK
+    of_blocks = None
+    if len(points) > _BLOCK:
+        number = np.bincount(blocks)
+        middle = np.stack([np.bincount(blocks, c) / number for c in points.T], axis=1)
+        of_blocks = _extremes(mesh, np.repeat(blocks, np.diff(starts)), vertices, middle)
+    return Extremes(
+        vertices=vertices,
+        starts=starts,
+        n_vertices=len(mesh.vertices),
+        blocks=frozen(blocks),
+        of_blocks=of_blocks,
+    )
+
+
+def _corners(mesh: PolygonMesh, owner: IntArray, vertices: IntArray) -> tuple[IntArray, IntArray]:
+    """Corners of the hull of each owner's vertices, one owner after the other; where each begins.
+
+    Parameters
+    ----------
+    mesh : PolygonMesh
+    owner, vertices : (k,) int
+        Pairs in any order, maybe several times.
     """
     from scipy.spatial import ConvexHull, QhullError
 
-    size = len(mesh.vertices)
-    owner = np.repeat(members[mesh.triangle_polygon], 3)
-    pairs = np.unique(owner * size + mesh.triangles.reshape(-1))
-    groups, vertices = np.divmod(pairs, size)
-    bounds = np.searchsorted(groups, np.arange(int(members.max()) + 2))
+    pairs = np.unique(owner * len(mesh.vertices) + vertices)
+    owners, numbers = np.divmod(pairs, len(mesh.vertices))
+    bounds = np.searchsorted(owners, np.arange(int(owner.max()) + 2))
     kept = []
     for first, last in pairwise(bounds):
-        mine = vertices[first:last]
+        mine = numbers[first:last]
         if len(mine) > 4:
             corners = mesh.vertices[mine]
             with suppress(QhullError):  # a flat group keeps all
                 mine = np.sort(mine[ConvexHull(corners - corners.mean(axis=0)).vertices])
         kept.append(mine)
     starts = np.concatenate([[0], np.cumsum([len(mine) for mine in kept])])
-    return Extremes(frozen(np.concatenate(kept).astype(np.int64)), frozen(starts), size)
+    return frozen(np.concatenate(kept).astype(np.int64)), frozen(starts)

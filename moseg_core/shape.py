@@ -242,7 +242,9 @@ class Shape:
     @cached_property
     def extremes(self) -> Extremes | None:
         """Vertices that matter to the hull of each element; None where elements are the input's."""
-        return None if self.members is None else find_extremes(self.geometry, self.members)
+        if self.members is None:
+            return None
+        return find_extremes(self.geometry, self.members, self.points)
 
     @cached_property
     def unit_points(self) -> FloatArray:
