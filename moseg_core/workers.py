@@ -55,6 +55,10 @@ def read_workers(given: object) -> int:
     return given
 
 
+#: Seconds that a process has to end after it was told to.
+_PATIENCE = 5.0
+
+
 @dataclass(eq=False)
 class _Worker:
     process: Any
@@ -101,7 +105,10 @@ class Workers:
             worker.process.terminate()
             worker.pipe.close()
         for worker in self._workers:
-            worker.process.join()
+            worker.process.join(_PATIENCE)
+            if worker.process.is_alive():
+                worker.process.kill()
+                worker.process.join()
         self._workers = []
 
     def map(
@@ -136,11 +143,12 @@ class Workers:
         done: dict[int, Any] = {}
         waiting = list(range(len(arguments)))
         ended = self._stopped
+        shown: Progress | None = None
         while True:
             for worker in self._workers:
                 if worker.task < 0 and waiting and not ended:
                     worker.task = waiting.pop(0)
-                    worker.pipe.send((name, arguments[worker.task]))
+                    self._send(worker, (name, arguments[worker.task]))
             busy = [worker for worker in self._workers if worker.task >= 0]
             if not busy:
                 return [done[k] for k in sorted(done)]
@@ -148,8 +156,10 @@ class Workers:
                 worker = next(worker for worker in busy if worker.pipe is pipe)
                 progress, result = self._receive(worker)
                 if progress is not None:
-                    if worker.task == min(other.task for other in busy if other.task >= 0):
-                        self._stopped = self._report(progress) or self._stopped
+                    # Shown is the first task's progress; to stop, any message is an occasion.
+                    first = worker.task == min(other.task for other in busy if other.task >= 0)
+                    shown = progress if first or shown is None else shown
+                    self._stopped = self._report(shown) or self._stopped
                 else:
                     done[worker.task] = result
                     if enough is not None and enough(worker.task, result):
@@ -188,32 +198,54 @@ class Workers:
             # is running now, and the libraries that keep threads (BLAS) look after themselves.
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", DeprecationWarning)
+                ours = [*(worker.pipe for worker in self._workers), mine]
                 process = context.Process(
-                    target=_serve, args=(self._tasks, theirs, self._flag), daemon=True
+                    target=_serve, args=(self._tasks, theirs, ours, self._flag), daemon=True
                 )
                 process.start()
             theirs.close()
             self._workers.append(_Worker(process, mine))
+
+    def _send(self, worker: _Worker, task: tuple[str, tuple[Any, ...]]) -> None:
+        """Give a worker something to do."""
+        try:
+            worker.pipe.send(task)
+        except OSError as error:
+            raise _lost(worker) from error
 
     def _receive(self, worker: _Worker) -> tuple[Progress | None, Any]:
         """What a worker sends: progress, or a result."""
         try:
             kind, content = worker.pipe.recv()
         except (EOFError, OSError) as error:
-            worker.process.join()
-            code = worker.process.exitcode
-            why = f"signal {-code}" if code < 0 else f"exit code {code}"
-            raise MosegError(
-                f"a worker process ended early ({why}); with one worker there is none to lose"
-            ) from error
+            raise _lost(worker) from error
         if kind == "error":
             raise content
         return (content, None) if kind == "progress" else (None, content)
 
 
-def _serve(tasks: Mapping[str, Task], pipe: Connection, flag: Any) -> None:
-    """What a process does: one task after the other, until the pipe is closed."""
+def _lost(worker: _Worker) -> MosegError:
+    """The error about a process that is no more."""
+    worker.process.join(_PATIENCE)
+    code = worker.process.exitcode
+    why = f"exit code {code}" if code is None or code >= 0 else f"signal {-code}"
+    return MosegError(
+        f"a worker process ended early ({why}); with one worker there is none to lose"
+    )
+
+
+def _serve(
+    tasks: Mapping[str, Task], pipe: Connection, others: Sequence[Connection], flag: Any
+) -> None:
+    """What a process does: one task after the other, until the pipe is closed.
+
+    `others` are the ends of pipes that belong to the process that was copied: while a copy holds
+    them open too, nobody would ever notice that it is gone.
+    """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the one that asked
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)  # whatever that one does when told to end
+    for other in others:
+        other.close()
 
     def report(progress: Progress) -> bool:
         pipe.send(("progress", progress))
@@ -222,14 +254,17 @@ def _serve(tasks: Mapping[str, Task], pipe: Connection, flag: Any) -> None:
     while True:
         try:
             name, given = pipe.recv()
-        except EOFError:
+        except (EOFError, OSError):
             return
         try:
             answer = ("done", tasks[name](*given, report=report))
         except Exception as error:  # noqa: BLE001  # whatever it is, it is raised over there
             error.add_note("".join(traceback.format_exception(error)))
             answer = ("error", error)
-        pipe.send_bytes(_packed(answer))
+        try:
+            pipe.send_bytes(_packed(answer))
+        except OSError:  # nobody is there any more
+            return
 
 
 def _packed(answer: tuple[str, Any]) -> bytes:

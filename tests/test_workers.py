@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import os
 import signal
+import subprocess
+import sys
 import time
+from pathlib import Path
 
 import pytest
 
@@ -105,7 +108,73 @@ def test_asked_to_stop_all_do_and_nothing_new_begins(count):
     with Workers({"patient": patient}, count, stop) as workers:
         assert workers.map("patient", [(k,) for k in range(6)]) == list(range(count))
         assert workers.map("patient", [(k,) for k in range(6)]) == []
-    assert seen[:3] == [0, 0, 0]  # reports are those of the first task that is still running
+
+
+def test_one_silent_task_does_not_keep_the_others_from_stopping():
+    def uneven(k, *, report):
+        if k == 0:
+            time.sleep(0.5)
+            return "silent"
+        for _ in range(2000):
+            if report(Progress(stage="talking", done=k)):
+                return "stopped"
+            time.sleep(0.001)
+        return "went on"
+
+    with Workers({"uneven": uneven}, 2, lambda progress: True) as workers:
+        assert workers.map("uneven", [(0,), (1,)]) == ["silent", "stopped"]
+
+
+def test_an_idle_process_that_dies_is_noticed_too():
+    def who(*, report):
+        return os.getpid()
+
+    with Workers({"who": who}, 2, silent) as workers:
+        for process in set(workers.map("who", [()] * 4)):
+            os.kill(process, signal.SIGKILL)
+        time.sleep(0.2)
+        with pytest.raises(MosegError, match=r"ended early \(signal 9\)"):
+            workers.map("who", [(), ()])
+
+
+def test_processes_end_even_if_this_one_does_not_when_told_to():
+    before = signal.signal(signal.SIGTERM, lambda number, frame: None)
+    try:
+        with (
+            Workers({"refuse": refuse}, 2, silent) as workers,
+            pytest.raises(UsageError, match="2 is not to my liking"),
+        ):
+            workers.map("refuse", [(2,), (3,)])
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+def test_processes_do_not_outlive_the_one_that_made_them(tmp_path):
+    script = tmp_path / "orphans.py"
+    script.write_text(
+        "import os, signal\n"
+        "from moseg_core.workers import Workers\n"
+        "pool = Workers({'who': lambda report: os.getpid()}, 2, lambda progress: False)\n"
+        "print(*set(pool.map('who', [()] * 6)), flush=True)\n"
+        "os.kill(os.getpid(), signal.SIGKILL)\n"
+    )
+    done = subprocess.run([sys.executable, str(script)], capture_output=True, text=True)
+    assert done.returncode == -signal.SIGKILL
+    left = {int(word) for word in done.stdout.split()}
+    assert left
+    for _ in range(500):
+        left = {process for process in left if _runs(process)}
+        if not left:
+            break
+        time.sleep(0.01)
+    assert not left
+
+
+def _runs(process):
+    try:
+        return (Path("/proc") / str(process) / "stat").read_text().split()[2] != "Z"
+    except FileNotFoundError:
+        return False
 
 
 @pytest.mark.parametrize("count", [1, 2])

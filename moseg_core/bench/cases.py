@@ -177,12 +177,22 @@ def _measure(
         "cost": result.cost,
         "empty": len(result.evaluation.empty),
     }
-    if named is not None and named.names is not None:
+    if named is not None and named.names is not None and _comparable(case, shape, named):
         given = case.naming.renamed(problem.labels)
         values["named_right"] = named_right(
             result.labels.astype(np.int64), given, named.labels, named.names, shape.areas
         )
     return values, result.labels.astype(np.int64)
+
+
+def _comparable(case: Case, shape: Shape, named: Labelling) -> bool:
+    """Whether the recipe has a label for everything that is named, so that names say something."""
+    assert case.recipe is not None  # only searches are asked
+    try:
+        labels_of_names(shape, named, case.recipe.labels, case.naming)
+    except UsageError:
+        return False
+    return True
 
 
 def _named(case: Case, shape: Shape) -> Labelling | None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import html
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from urllib.parse import quote
 
 import numpy as np
 
@@ -114,7 +115,7 @@ def write_page(
         if row.named_right is not None:
             words += f", named right {row.named_right:.1%}"
         lines.append(f"<figure><figcaption>{html.escape(words)}</figcaption><div>")
-        lines += [f'<img src="{html.escape(name)}" alt="">' for name in pictures[row]]
+        lines += [f'<img src="{quote(name)}" alt="">' for name in pictures[row]]
         lines.append("</div></figure>")
     write_file(path, "\n".join([*lines, "</html>", ""]).encode())
 

@@ -8,6 +8,7 @@ later run that resumes takes over the cases that were asked in the same way, and
 from __future__ import annotations
 
 import dataclasses
+import hashlib
 import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -20,6 +21,7 @@ from moseg_core.bench.names import Naming
 from moseg_core.bench.page import draw_case, write_page
 from moseg_core.bench.psb import CATEGORIES, NAMINGS, Model
 from moseg_core.bench.tables import agreement_table, cost_table, failures
+from moseg_core.errors import MosegError
 from moseg_core.io import encode_seg, read_labels, write_file
 from moseg_core.protocols import Report
 from moseg_core.recipe import Recipe
@@ -93,6 +95,9 @@ def run_benchmark(
     kept.mkdir(parents=True, exist_ok=True)
     pictures = folder / "pictures"
     pictures.mkdir(exist_ok=True)
+    for model in request.models:  # drawn anew, since people's files may have changed
+        for stale in pictures.glob(f"{model.number}-person-*.png"):
+            stale.unlink()
     cases = all_cases(request)
     rows: dict[str, Row] = {}
     if resume:
@@ -103,14 +108,22 @@ def run_benchmark(
         row, labels = run_case(case, report=report)
         if labels is not None:
             write_file(kept / f"{case.key}.seg", encode_seg(labels))
-        document = {"asked": _asked(case), "row": dataclasses.asdict(row)}
+        elements = 0 if labels is None else len(labels)
+        document = {
+            "asked": _asked(case),
+            "elements": elements,
+            "row": dataclasses.asdict(row),
+        }
         write_file(kept / f"{case.key}.json", (json.dumps(document, indent=1) + "\n").encode())
         return row
 
     def draw(case: Case, *, report: Report) -> list[str]:
         seg = kept / f"{case.key}.seg"
-        count = seg.read_bytes().count(b"\n")
-        return draw_case(case, read_labels(seg, count).labels, pictures)
+        try:
+            count = seg.read_bytes().count(b"\n")
+            return draw_case(case, read_labels(seg, count).labels, pictures)
+        except MosegError:  # labels changed by somebody: the row stands, without a picture
+            return []
 
     def done(k: int, row: Row) -> bool:
         rows[waiting[k].key] = row
@@ -138,6 +151,7 @@ def run_benchmark(
         pictures={
             rows[case.key]: [f"pictures/{name}" for name in names]
             for case, names in zip(ordered, drawn, strict=True)
+            if names
         },
     )
     document = {
@@ -155,8 +169,7 @@ def _asked(case: Case) -> dict[str, Any]:
     """What tells a case from one that was asked otherwise, as plain data."""
     return {
         "moseg": __version__,
-        "mesh": case.model.mesh.stat().st_size,
-        "people": len(case.model.people),
+        "data": _digest(case.model),
         "labels": list(case.recipe.labels) if case.recipe else [],
         "minimize": case.recipe.minimize if case.recipe else "",
         "method": repr(case.recipe.method) if case.recipe else "",
@@ -165,13 +178,26 @@ def _asked(case: Case) -> dict[str, Any]:
     }
 
 
+def _digest(model: Model) -> str:
+    """Hexadecimal digest of all files of a model."""
+    digest = hashlib.sha256()
+    for path in (model.mesh, *model.people, *([model.names] if model.names else [])):
+        digest.update(hashlib.sha256(path.read_bytes()).digest())
+    return digest.hexdigest()[:16]
+
+
 def _kept(case: Case, folder: Path) -> Row | None:
     """The row of an earlier run that asked the same and did not fail."""
     path = folder / f"{case.key}.json"
-    if not path.is_file() or (case.searches and not path.with_suffix(".seg").is_file()):
+    seg = path.with_suffix(".seg")
+    if not path.is_file() or (case.searches and not seg.is_file()):
         return None
-    document = json.loads(path.read_bytes())
-    if document["asked"] != _asked(case):
+    try:
+        document = json.loads(path.read_bytes())
+        asked, row = document["asked"], Row.read(document["row"])
+        complete = not case.searches or seg.read_bytes().count(b"\n") == document["elements"]
+    except (ValueError, KeyError, TypeError):  # cut short or changed by somebody
         return None
-    row = Row.read(document["row"])
+    if asked != _asked(case) or not complete:
+        return None
     return None if row.failure and row.cost is None else row

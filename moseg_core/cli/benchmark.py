@@ -39,6 +39,12 @@ def run_psb(
     """Check the request, measure, print the tables."""
     chosen = tuple(check_category(name) for name in categories)
     given = read_recipes(recipes or _USUAL)
+    for category in given if recipes and chosen else ():
+        if category not in chosen:
+            raise UsageError(
+                f"--recipe-for {category} has nothing to do: --category asks for"
+                f" {', '.join(chosen)} only"
+            )
     names = [name.strip() for name in settings.split(",")]
     for name in names:
         settled(Method(), name)
@@ -92,7 +98,10 @@ def read_recipes(words: Sequence[str]) -> dict[str, Recipe]:
             )
         recipe = load_recipe(name.strip())
         prepare_method(Problem(recipe.labels, recipe.minimize), recipe.method)
-        found[check_category(category)] = recipe
+        category = check_category(category)
+        if category in found:
+            raise UsageError(f"--recipe-for gives two recipes for {category}")
+        found[category] = recipe
     return found
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from itertools import combinations
 from statistics import fmean
 
@@ -177,6 +178,8 @@ def test_a_model_without_names_has_no_costs(psb):
         (("--category", "Fourlegs"), "unknown category 'Fourlegs'; did you mean 'Fourleg'"),
         (("--recipe-for", "Cup"), "write --recipe-for Fourleg=horse"),
         (("--recipe-for", "Cup=hamer"), "did you mean"),
+        (("--recipe-for", "Cup=hammer", "--recipe-for", "cup=horse"), "two recipes for Cup"),
+        (("--category", "Ant", "--recipe-for", "Cup=hammer"), "asks for Ant only"),
         (("--settings", "papers"), "unknown settings 'papers'; did you mean 'paper'"),
         (("--seeds", "2-0"), "the seeds '2-0' are not understood; write 0-2"),
         (("--workers", "0"), "at least one worker"),
@@ -203,3 +206,43 @@ def test_seeds_and_recipes_are_read():
     assert read_recipes(["fourleg=horse"])["Fourleg"].name == "horse"
     with pytest.raises(UsageError, match="write 0-2 or 0,5,7"):
         read_seeds("all")
+
+
+def test_names_that_do_not_match_are_not_scored(psb):
+    recipe = load_recipe(str(psb / "capsule.toml"))
+    strange = type(recipe)(
+        name="strange", labels=("up", "down"), minimize="narrow(up)", method=recipe.method
+    )
+    row, _ = run_case(
+        Case(model=find_models(psb)[0], method="paper", recipe=strange), report=silent
+    )
+    assert row.rand_index_error is not None
+    assert row.named_right is None
+
+
+def test_damaged_and_outdated_cases_are_measured_again(psb, tmp_path):
+    data, out = tmp_path / "data", tmp_path / "out"
+    shutil.copytree(psb, data)
+    words = ("--data", data, "--category", "Cup", "--recipe-for", f"Cup={psb / 'capsule.toml'}")
+    words = ("benchmark", "psb", *words, "--quiet", "--resume", "--workers", "1", "-o", out)
+
+    def rows():
+        with pytest.raises(SystemExit) as end:
+            main([str(word) for word in words])
+        assert end.value.code == 0
+        found = json.loads((out / "report.json").read_text())["rows"]
+        return [{**row, "seconds": None} for row in found]
+
+    first = rows()
+    case = out / "cases" / "21-people-0.json"
+    case.write_text(case.read_text()[:40])
+    assert rows() == first
+    (out / "cases" / "21-capsule-default-0.seg").write_text("")
+    assert rows() == first
+    person = data / "seg" / "21" / "21_0.seg"
+    person.write_text(person.read_text().replace("2", "1"))
+    picture = out / "pictures" / "21-person-1.png"
+    before = picture.read_bytes()
+    changed = rows()
+    assert changed[0]["rand_index_error"] != first[0]["rand_index_error"]
+    assert picture.read_bytes() != before
