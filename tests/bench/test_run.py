@@ -240,7 +240,7 @@ def test_damaged_and_outdated_cases_are_measured_again(psb, tmp_path):
     (out / "cases" / "21-capsule-default-0.seg").write_text("")
     assert rows() == first
     person = data / "seg" / "21" / "21_0.seg"
-    person.write_text(person.read_text().replace("2", "1"))
+    person.write_text(person.read_text().replace("0", "1"))
     picture = out / "pictures" / "21-person-1.png"
     before = picture.read_bytes()
     changed = rows()
