@@ -88,6 +88,20 @@ class Adjacency:
         return int(count), component.astype(np.int64)
 
 
+def ranges(starts: IntArray, rows: IntArray) -> IntArray:
+    """The numbers ``starts[r]`` to ``starts[r + 1] - 1`` of some rows, one row after the other.
+
+    Examples
+    --------
+    >>> ranges(np.array([0, 2, 2, 5]), np.array([2, 0])).tolist()
+    [2, 3, 4, 0, 1]
+    """
+    sizes = starts[rows + 1] - starts[rows]
+    before = np.cumsum(sizes) - sizes
+    found: IntArray = np.arange(int(sizes.sum())) + np.repeat(starts[rows] - before, sizes)
+    return found
+
+
 def mesh_adjacency(mesh: PolygonMesh) -> Adjacency:
     """Neighbouring polygons of a mesh: those that share an edge by position.
 

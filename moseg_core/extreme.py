@@ -17,6 +17,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from moseg_core.adjacency import ranges
 from moseg_core.mesh import PolygonMesh
 from moseg_core.types import BoolArray, FloatArray, IntArray, frozen
 
@@ -61,10 +62,7 @@ class Extremes:
             whole = np.bincount(self.blocks[groups], minlength=len(self._sizes)) == self._sizes
             self.of_blocks._mark(np.flatnonzero(whole), marked)
             groups = groups[~whole[self.blocks[groups]]]
-        sizes = self.starts[groups + 1] - self.starts[groups]
-        before = np.cumsum(sizes) - sizes
-        inside = np.arange(int(sizes.sum())) + np.repeat(self.starts[groups] - before, sizes)
-        marked[self.vertices[inside]] = True
+        marked[self.vertices[ranges(self.starts, groups)]] = True
 
     @cached_property
     def _sizes(self) -> IntArray:

@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from moseg_core.adjacency import Adjacency, enclosed_volume, mesh_adjacency
+from moseg_core.adjacency import Adjacency, enclosed_volume, mesh_adjacency, ranges
 from moseg_core.errors import ShapeError
 from moseg_core.extreme import Extremes, find_extremes
 from moseg_core.mesh import PolygonMesh
@@ -234,10 +234,7 @@ class Shape:
         if self.members is None:
             return elements
         order, starts = self._ranked
-        sizes = self.sizes[elements]
-        before = np.cumsum(sizes) - sizes
-        inside = np.arange(int(sizes.sum())) - np.repeat(before, sizes)
-        return np.sort(order[np.repeat(starts[elements], sizes) + inside])
+        return np.sort(order[ranges(starts, elements)])
 
     @cached_property
     def extremes(self) -> Extremes | None:

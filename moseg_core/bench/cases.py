@@ -171,18 +171,23 @@ def _measure(
         report=report,
     )
     seconds = time.perf_counter() - began
+    labels = result.labels.astype(np.int64)
     values: dict[str, Any] = {
-        "rand_index_error": _against(result.labels.astype(np.int64), people),
+        "rand_index_error": _against(labels, people),
         "seconds": seconds,
         "cost": result.cost,
         "empty": len(result.evaluation.empty),
     }
     if named is not None and named.names is not None and _comparable(case, shape, named):
-        given = case.naming.renamed(problem.labels)
         values["named_right"] = named_right(
-            result.labels.astype(np.int64), given, named.labels, named.names, shape.areas
+            labels,
+            problem.labels,
+            named.labels,
+            named.names,
+            shape.areas,
+            rename=case.naming.rename,
         )
-    return values, result.labels.astype(np.int64)
+    return values, labels
 
 
 def _comparable(case: Case, shape: Shape, named: Labelling) -> bool:

@@ -31,17 +31,14 @@ class Naming:
     Parameters
     ----------
     rename : mapping of str to str
-        For a recipe's label, without instance number, the true name that it is compared with.
+        For a recipe's label the true name that it is compared with
+        (:func:`moseg_core.metrics.renamed`).
     merge : mapping of str to str
         For a true name the recipe's label, without instance number, that it belongs to.
     """
 
     rename: Mapping[str, str] = field(default_factory=dict)
     merge: Mapping[str, str] = field(default_factory=dict)
-
-    def renamed(self, labels: Sequence[str]) -> list[str]:
-        """A recipe's labels as the benchmark calls them, instance numbers folded."""
-        return [self.rename.get(fold(name), fold(name)) for name in labels]
 
 
 def labels_of_names(

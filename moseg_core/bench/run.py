@@ -20,7 +20,7 @@ from moseg_core.bench.cases import COSTS, KMEANS, PEOPLE, Case, Row, run_case
 from moseg_core.bench.names import Naming
 from moseg_core.bench.page import draw_case, write_page
 from moseg_core.bench.psb import CATEGORIES, NAMINGS, Model
-from moseg_core.bench.tables import agreement_table, cost_table, failures
+from moseg_core.bench.tables import all_tables, failures
 from moseg_core.errors import MosegError
 from moseg_core.io import encode_seg, read_labels, write_file
 from moseg_core.protocols import Report
@@ -135,24 +135,21 @@ def run_benchmark(
         first = min(request.seeds)
         shown = [c for c in cases if c.searches and c.seed == first and not rows[c.key].failure]
         # People's pictures are shared by the settings: one case of each model at a time.
-        drawn: list[list[str]] = []
+        drawn: dict[Row, list[str]] = {}
         for settings in request.settings:
-            drawn += pool.map("draw", [(c,) for c in shown if c.method == settings])
-        ordered = [c for settings in request.settings for c in shown if c.method == settings]
+            batch = [case for case in shown if case.method == settings]
+            for case, names in zip(batch, pool.map("draw", [(c,) for c in batch]), strict=True):
+                if names:
+                    drawn[rows[case.key]] = [f"pictures/{name}" for name in names]
     place = {method: k for k, method in enumerate((PEOPLE, KMEANS, *request.settings, COSTS))}
     found = sorted(rows.values(), key=lambda row: (row.model, place[row.method], row.seed))
-    tables = [agreement_table(found, CATEGORIES), cost_table(found)]
     write_page(
         folder / "index.html",
         title="Agreement with people",
-        tables=[table for table in tables if table.rows],
+        tables=all_tables(found, CATEGORIES),
         failed=failures(found),
         rows=found,
-        pictures={
-            rows[case.key]: [f"pictures/{name}" for name in names]
-            for case, names in zip(ordered, drawn, strict=True)
-            if names
-        },
+        pictures=drawn,
     )
     document = {
         "moseg": __version__,

@@ -35,6 +35,11 @@ class Printed:
     rows: list[Cells]
 
 
+def all_tables(rows: Sequence[Row], categories: Sequence[str]) -> list[Printed]:
+    """The tables of a report that have something to say."""
+    return [table for table in (agreement_table(rows, categories), cost_table(rows)) if table.rows]
+
+
 def mean_by_model(rows: Sequence[Row], value: Callable[[Row], float | None]) -> dict[int, float]:
     """For each model the mean over its rows, of those that have the value."""
     found: dict[int, list[float]] = {}

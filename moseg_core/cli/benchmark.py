@@ -12,7 +12,7 @@ from rich.table import Table
 from moseg_core.bench.cases import Row
 from moseg_core.bench.psb import CATEGORIES, check_category, find_models
 from moseg_core.bench.run import Request, run_benchmark
-from moseg_core.bench.tables import Printed, agreement_table, cost_table, failures
+from moseg_core.bench.tables import Printed, all_tables, failures
 from moseg_core.cli.console import console, message
 from moseg_core.errors import UsageError
 from moseg_core.method import Method, settled
@@ -73,9 +73,8 @@ def run_psb(
         message(", ".join(words), quiet=quiet)
 
     rows = run_benchmark(request, out, workers=processes, resume=resume, show=show)
-    for table in (agreement_table(rows, CATEGORIES), cost_table(rows)):
-        if table.rows:
-            _print(table)
+    for table in all_tables(rows, CATEGORIES):
+        _print(table)
     for line in failures(rows):
         message(f"failed: {line}")
     message(f"wrote {out / 'index.html'} and {out / 'report.json'}", quiet=quiet)
