@@ -27,6 +27,9 @@ _HOMES = {
     "PluginError": "errors",
     "ShapeError": "errors",
     "UsageError": "errors",
+    "CommandSpec": "specs",
+    "ConstraintSpec": "specs",
+    "EmbeddingSpec": "specs",
     "LabelerSpec": "specs",
     "MeasureSpec": "specs",
     "ObjectiveSpec": "specs",
@@ -94,6 +97,9 @@ if TYPE_CHECKING:
     from moseg_core.samples import sample_path as sample_path
     from moseg_core.segmentation import Segmentation as Segmentation
     from moseg_core.shape import Shape as Shape
+    from moseg_core.specs import CommandSpec as CommandSpec
+    from moseg_core.specs import ConstraintSpec as ConstraintSpec
+    from moseg_core.specs import EmbeddingSpec as EmbeddingSpec
     from moseg_core.specs import LabelerSpec as LabelerSpec
     from moseg_core.specs import MeasureSpec as MeasureSpec
     from moseg_core.specs import ObjectiveSpec as ObjectiveSpec

@@ -18,6 +18,9 @@ from collections.abc import Sequence
 import pluggy
 
 from moseg_core.specs import (
+    CommandSpec,
+    ConstraintSpec,
+    EmbeddingSpec,
     Kind,
     LabelerSpec,
     MeasureSpec,
@@ -43,9 +46,12 @@ HOOKS: dict[str, tuple[Kind, type[Spec]]] = {
     "moseg_seeders": ("seeder", SeederSpec),
     "moseg_labelers": ("labeler", LabelerSpec),
     "moseg_optimizers": ("optimizer", OptimizerSpec),
+    "moseg_constraints": ("constraint", ConstraintSpec),
+    "moseg_embeddings": ("embedding", EmbeddingSpec),
     "moseg_recipes": ("recipe", RecipeSpec),
     "moseg_readers": ("reader", ReaderSpec),
     "moseg_writers": ("writer", WriterSpec),
+    "moseg_commands": ("command", CommandSpec),
 }
 """Each hook with the kind of component and the type of spec that it returns."""
 
@@ -81,6 +87,16 @@ def moseg_optimizers() -> Sequence[OptimizerSpec]:  # type: ignore[empty-body]  
 
 
 @hookspec
+def moseg_constraints() -> Sequence[ConstraintSpec]:  # type: ignore[empty-body]  # a declaration
+    """Rules by which centres follow from others, or stay on something."""
+
+
+@hookspec
+def moseg_embeddings() -> Sequence[EmbeddingSpec]:  # type: ignore[empty-body]  # a declaration
+    """Deformations of a shape in which the partition is found."""
+
+
+@hookspec
 def moseg_recipes() -> Sequence[RecipeSpec]:  # type: ignore[empty-body]  # a declaration
     """Named problems: labels, expression and components, as TOML."""
 
@@ -93,3 +109,8 @@ def moseg_readers() -> Sequence[ReaderSpec]:  # type: ignore[empty-body]  # a de
 @hookspec
 def moseg_writers() -> Sequence[WriterSpec]:  # type: ignore[empty-body]  # a declaration
     """File formats that results are written to."""
+
+
+@hookspec
+def moseg_commands() -> Sequence[CommandSpec]:  # type: ignore[empty-body]  # a declaration
+    """Commands of the command line."""

@@ -243,23 +243,79 @@ class Optimizer(Protocol):
         ...
 
 
+@runtime_checkable
 class Constraint(Protocol):
-    """A map from fewer, free numbers to a whole vector (Sec. 8)."""
+    """Centres that follow from others, or from fewer numbers than their own four (Sec. 8).
 
-    def expand(self, free: FloatArray) -> FloatArray:
-        """(m,) float from the (k,) free ones, k <= m."""
+    Constructed with ``(shape, labels)`` and parameters: the shape in which the partition lives,
+    and the indices of the labels that it was given, in the order written. A parameter called
+    ``plane`` gets the problem's plane unless it is given.
+
+    Centres are rows ``x, y, z, w`` of an ``(n, 4)`` array, one for each label of the problem:
+    position in unit coordinates (``shape.frame.to_unit``; the box diagonal is 1) and weight. A
+    constraint *determines* the rows of some labels, from the rows of those that it *reads* and
+    from ``n_free`` numbers of its own, which the search sees in place of the rows. The core
+    composes several (:mod:`moseg_core.constraints`).
+    """
+
+    @property
+    def determines(self) -> tuple[int, ...]:
+        """Labels whose rows follow."""
         ...
 
-    def reduce(self, vector: FloatArray) -> FloatArray:
-        """(k,) float: the free numbers of the feasible vector nearest to the given one."""
+    @property
+    def reads(self) -> tuple[int, ...]:
+        """Labels from whose rows they follow; none of those determined."""
+        ...
+
+    @property
+    def lower(self) -> FloatArray:
+        """(k,) float: least value of each number of its own, -inf where unbounded."""
+        ...
+
+    @property
+    def upper(self) -> FloatArray:
+        """(k,) float: greatest value of each number of its own."""
+        ...
+
+    def expand(self, free: FloatArray, centers: FloatArray) -> FloatArray:
+        """(n, 4) float: the rows, those determined filled in.
+
+        Parameters
+        ----------
+        free : (k,) float
+            The numbers of its own; a step of 1 is a box diagonal, or a weight of 1.
+        centers : (n, 4) float
+            Right for the labels that are read; not to be changed.
+        """
+        ...
+
+    def reduce(self, centers: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """The (k,) free numbers, and the rows of the feasible centres nearest to those given.
+
+        The rows of labels that are read may be moved too: half-way, where two have to agree.
+        """
         ...
 
 
+@runtime_checkable
 class Embedding(Protocol):
-    """A deformation of the shape in which the partition is found instead (Sec. 9)."""
+    """A deformation of the shape in which the partition is found instead (Sec. 9).
+
+    Constructed with parameters.
+    """
 
     def __call__(self, shape: Shape) -> Shape:
-        """The embedded shape, with the same elements in the same order."""
+        """The embedded shape, with the same elements in the same order.
+
+        Made with :meth:`moseg_core.Shape.deformed`, so that it is a shape in full: with areas,
+        moments and a volume of its own.
+
+        Raises
+        ------
+        ShapeError
+            The shape cannot be embedded; says why.
+        """
         ...
 
 

@@ -19,14 +19,20 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from moseg_core.adjacency import Adjacency, enclosed_volume, mesh_adjacency, ranges
+from moseg_core.adjacency import (
+    Adjacency,
+    enclosed_volume,
+    mesh_adjacency,
+    ranges,
+    signed_volume,
+)
 from moseg_core.errors import ShapeError
 from moseg_core.extreme import Extremes, find_extremes
 from moseg_core.mesh import PolygonMesh
@@ -181,6 +187,58 @@ class Shape:
             geometry=mesh,
             notes=_notes(mesh, adjacency, int(degenerate.sum()), reason),
             name=name,
+        )
+
+    def deformed(self, vertices: FloatArray, *, space: str) -> Shape:
+        """The same elements with their vertices elsewhere, as in an embedding (Sec. 9).
+
+        Parameters
+        ----------
+        vertices : (V, 3) float
+            A new place for every vertex of :attr:`geometry`, in units of its own. Vertices at
+            one position should stay together.
+        space : str
+            What to call the deformed version; part of every memo key.
+
+        Returns
+        -------
+        Shape
+            Its areas, moments and frame are those of the deformed surface, its neighbours those
+            of this one. Its volume is the absolute signed volume of the deformed surface, where
+            this one encloses a volume: parts that fold over each other count with their sign.
+
+        Raises
+        ------
+        ShapeError
+            Not one finite place for every vertex, or nothing has an area any more.
+
+        Examples
+        --------
+        >>> flat = Shape.from_mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+        >>> flat.deformed(2 * flat.geometry.vertices, space="twice").areas.tolist()
+        [2.0]
+        """
+        places = np.array(vertices, dtype=np.float64)
+        if places.shape != self.geometry.vertices.shape or not np.isfinite(places).all():
+            raise ShapeError(
+                f"a deformation of '{self.name}' needs a finite place for each of its"
+                f" {len(self.geometry.vertices)} vertices, not an array of shape {places.shape}"
+            )
+        mesh = replace(self.geometry, vertices=places)
+        bent = Shape.from_polygon_mesh(mesh, name=self.name)
+        corners = places[mesh.triangles]
+        volume, reason = self.volume, self.volume_reason
+        if volume is not None:
+            volume = abs(signed_volume(corners - corners.reshape(-1, 3).mean(axis=0)))
+            if volume <= 1e-12 * bent.frame.scale**3:
+                volume, reason = None, f"it is flat in the space '{space}'"
+        return replace(
+            bent,
+            adjacency=self.adjacency,
+            volume=volume,
+            volume_reason=reason,
+            notes=self.notes,
+            space=space,
         )
 
     @property

@@ -22,9 +22,12 @@ Kind = Literal[
     "seeder",
     "labeler",
     "optimizer",
+    "constraint",
+    "embedding",
     "recipe",
     "reader",
     "writer",
+    "command",
 ]
 
 
@@ -114,6 +117,28 @@ class OptimizerSpec(Spec):
     """A search: target makes a :class:`moseg_core.protocols.Optimizer`."""
 
     kind = "optimizer"
+
+
+class ConstraintSpec(Spec):
+    """A rule for centres: target makes a :class:`moseg_core.protocols.Constraint`."""
+
+    kind = "constraint"
+
+
+class EmbeddingSpec(Spec):
+    """A deformation of shapes: target makes a :class:`moseg_core.protocols.Embedding`."""
+
+    kind = "embedding"
+
+
+class CommandSpec(Spec):
+    """A command of ``moseg``: target is a function whose signature says what options it takes.
+
+    Its docstring is the help, in the form of the core's own commands (:mod:`moseg_core.cli.app`).
+    It prints, and raises the errors of :mod:`moseg_core.errors` to end with their exit codes.
+    """
+
+    kind = "command"
 
 
 class RecipeSpec(Spec):

@@ -12,6 +12,7 @@ from cyclopts import App, CycloptsError, Parameter
 
 from moseg_core import __version__
 from moseg_core.errors import MosegError
+from moseg_core.plugins import registry
 
 app = App(
     name="moseg",
@@ -334,8 +335,19 @@ def main(arguments: Sequence[str] | None = None) -> None:
     sys.exit(_run(list(sys.argv[1:] if arguments is None else arguments)))
 
 
+def _add_foreign_commands(asked: str) -> None:
+    """Add the commands that bundles bring; only the one that is asked for is imported."""
+    for component in registry().components("command"):
+        name = component.spec.name
+        if name in app:
+            continue  # the core's own, or one that was added before
+        target = component.load() if name == asked else component.spec.target
+        app.command(target, name=name, help=None if name == asked else component.spec.summary)
+
+
 def _run(arguments: list[str]) -> int:
     try:
+        _add_foreign_commands(arguments[0] if arguments else "")
         command, bound, _ = app.parse_args(arguments, exit_on_error=False, print_error=False)
         command(*bound.args, **bound.kwargs)
         sys.stdout.flush()

@@ -1,0 +1,1 @@
+"""The bundle ``mds``: names, targets and nothing heavy."""

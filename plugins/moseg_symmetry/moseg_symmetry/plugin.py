@@ -1,0 +1,1 @@
+"""The bundle ``symmetry``: names, targets and nothing heavy."""
