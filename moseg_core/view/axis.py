@@ -13,8 +13,9 @@ from dataclasses import dataclass
 
 #: Free space at either end of the values, as a share of the axis.
 _MARGIN = 0.04
-#: Values closer to each other than this share of their size are one.
-_SAME = 1e-9
+#: Values closer to each other than this share of their size are one, and so are those closer than
+#: this number, where steps would no longer have all their digits.
+_SAME, _TINY = 1e-6, 1e-290
 #: Above as many powers of ten between the ends, some are passed over; below as many, there are
 #: ticks between them.
 _MANY_DECADES, _FEW_DECADES = 7, 2.5
@@ -59,7 +60,7 @@ def linear_axis(values: Iterable[float], *, most: int = 6, whole: bool = False) 
     Parameters
     ----------
     values : iterable of float
-        Finite; without any, the axis runs from 0 to 1.
+        Below 1e280 in size; without any, the axis runs from 0 to 1.
     most : int
         Most ticks to have.
     whole : bool
@@ -76,8 +77,8 @@ def linear_axis(values: Iterable[float], *, most: int = 6, whole: bool = False) 
     values = list(values) or [0.0, 1.0]
     low, high = min(values), max(values)
     size = max(abs(low), abs(high))
-    if high - low <= _SAME * size or high == low:
-        widen = 1.0 if whole else 0.1 * size or 1.0
+    if high - low <= max(_SAME * size, _TINY):
+        widen = 0.1 * size if size > _TINY and not whole else 1.0
         low, high = low - widen, high + widen
     margin = _MARGIN * (high - low)
     low, high = low - margin, high + margin
@@ -95,7 +96,7 @@ def log_axis(values: Iterable[float]) -> Axis:
     Parameters
     ----------
     values : iterable of float
-        Finite and positive, at least one.
+        Above 1e-280 and below 1e280, at least one.
 
     Examples
     --------
@@ -136,16 +137,16 @@ def _round_step(least: float) -> float:
 
 
 def _linear_text(value: float, step: float, size: float) -> str:
-    """A multiple of a step, with as many decimals as the step has."""
-    decimals = max(0, -math.floor(math.log10(step) + 1e-9))
-    if decimals <= 6 and size < 1e7:
-        return f"{value + 0.0:.{decimals}f}" if round(value, decimals) else f"{0:.{decimals}f}"
-    digits = (
-        math.floor(math.log10(abs(value)) + 1e-9) - math.floor(math.log10(step) + 1e-9)
-        if value
-        else 0
-    )
-    return _short(f"{value:.{max(0, digits)}e}")
+    """A multiple of a step, with as many digits as the step has."""
+    place = _power(step)
+    if place >= -8 and size < 1e7:
+        return f"{value:.{max(0, -place)}f}"
+    return _short(f"{value:.{_power(abs(value)) - place}e}") if value else "0"
+
+
+def _power(value: float) -> int:
+    """Exponent of the first digit; a hair below a power of ten counts as that."""
+    return math.floor(math.log10(value) + 1e-9)
 
 
 def _log_text(value: float) -> str:

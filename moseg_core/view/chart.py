@@ -27,8 +27,9 @@ _LETTER = 0.5
 _RADIUS = 2.6
 #: The left axis is logarithmic from this ratio on.
 _WIDE = 100.0
-#: Beyond this, differences between values are no numbers; they are treated as infinite.
-_LARGEST = 1e300
+#: Values beyond the second count as infinite: differences between them would be. On a logarithmic
+#: axis, values up to the first count as zero.
+_SMALLEST, _LARGEST = 1e-280, 1e280
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,7 +68,7 @@ class Curve:
     @property
     def shown(self) -> list[int]:
         """Places of the values that can be drawn."""
-        least = 0.0 if self.right else -_LARGEST
+        least = _SMALLEST if self.right else -_LARGEST
         pairs = enumerate(zip(self.xs, self.ys, strict=True))
         return [k for k, (x, y) in pairs if math.isfinite(x) and least < y < _LARGEST]
 
@@ -184,7 +185,7 @@ def _draw_panel(panel: Panel, top: float) -> list[Item]:
 
 
 def _left_axis(values: list[float]) -> Axis:
-    wide = values and min(values) > 0.0 and max(values) > _WIDE * min(values)
+    wide = values and min(values) > _SMALLEST and max(values) > _WIDE * min(values)
     return log_axis(values) if wide else linear_axis(values)
 
 
