@@ -19,6 +19,8 @@ _SAME, _TINY = 1e-6, 1e-290
 #: Above as many powers of ten between the ends, some are passed over; below as many, there are
 #: ticks between them.
 _MANY_DECADES, _FEW_DECADES = 7, 2.5
+#: What spans fewer is shown on an axis of a whole power of ten.
+_LEAST_DECADES = 0.5
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -107,8 +109,8 @@ def log_axis(values: Iterable[float]) -> Axis:
     """
     exponents = [math.log10(value) for value in values]
     low, high = min(exponents), max(exponents)
-    if high - low < 0.1:
-        low, high = low - 0.5, high + 0.5
+    if high - low < _LEAST_DECADES:  # else there might be no tick between the ends
+        low, high = (low + high - 1.0) / 2, (low + high + 1.0) / 2
     margin = _MARGIN * (high - low)
     low, high = low - margin, high + margin
     stride = 1 + math.floor((high - low) / _MANY_DECADES)
