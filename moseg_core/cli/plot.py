@@ -23,7 +23,7 @@ def run_plot(source: Path, out: Path) -> None:
     saved = read_result(source)
     title = f"{saved.shape.get('name', source.stem)}, cost {saved.evaluation.cost.value:.4g}"
     try:
-        chart = render_convergence(saved.history, format=format, title=title)  # type: ignore[arg-type]
+        chart = render_convergence(saved.history, format=format, title=title)
     except (AttributeError, TypeError, ValueError) as error:
         raise UsageError(
             f"'{source}' has a damaged history ({type(error).__name__}: {error}); make it anew"

@@ -23,7 +23,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, Literal
+from typing import Any
 
 from moseg_core.errors import UsageError, unknown
 from moseg_core.palette import part_colors
@@ -41,7 +41,7 @@ _NOTHING = "No search was recorded: nothing was seeded, and nothing was optimise
 
 
 def render_convergence(
-    history: History, *, format: Literal["svg", "png"] = "svg", title: str = "Convergence"
+    history: History, *, format: str = "svg", title: str = "Convergence"
 ) -> bytes:
     """Draw the convergence curves of a result.
 
@@ -106,7 +106,7 @@ def _seeding(history: History) -> Panel | None:
     records = _records(history, "seeding")
     if any("best" in record for record in records):
         blue = _palette(0)
-        generations = _numbers(records, "generation")
+        generations = _counted(records)
         hollow = _with_empty_parts(records)
         mean = Curve(name="mean", xs=generations, ys=_numbers(records, "mean"), color=blue)
         best = Curve(
@@ -120,7 +120,7 @@ def _seeding(history: History) -> Panel | None:
     if any("largest_step" in record for record in records):
         step = Curve(
             name="largest step of a centre",
-            xs=_numbers(records, "round"),
+            xs=_counted(records),
             ys=_numbers(records, "largest_step"),
             color=_BLACK,
         )
@@ -132,7 +132,7 @@ def _search(history: History) -> Panel | None:
     """Cost and pattern size per iteration, of the search and of the polish that follows it."""
     search, polish = _records(history, "search"), _records(history, "polish")
     records = search + polish
-    iterations = tuple(float(k) for k in range(1, len(records) + 1))
+    iterations = _counted(records)
 
     def cost(part: list[Record], name: str, color: Color, *, after: int) -> Curve:
         return Curve(
@@ -168,7 +168,7 @@ def _restarts(history: History) -> Panel | None:
     given_up = frozenset(k for k, value in enumerate(finalist) if value == 0.0)
     ends = Curve(
         name="cost of a start",
-        xs=tuple(float(k) for k in range(1, len(records) + 1)),
+        xs=_counted(records),
         ys=_numbers(records, "value"),
         color=_BLACK,
         hollow=_with_empty_parts(records),
@@ -216,6 +216,11 @@ def _infinite(curve: Curve) -> int:
 
 def _records(history: History, stage: str) -> list[Record]:
     return list(history.get(stage, ()))
+
+
+def _counted(records: Sequence[Record]) -> tuple[float, ...]:
+    """The number of each record, from 1."""
+    return tuple(float(k) for k in range(1, len(records) + 1))
 
 
 def _numbers(records: Sequence[Record], key: str) -> tuple[float, ...]:
