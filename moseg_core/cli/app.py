@@ -31,7 +31,7 @@ Outputs = Annotated[
     Parameter(
         name=["--out", "-o"],
         negative=(),
-        help="File to write, format by suffix: json, seg, ply, glb, png. Repeatable.",
+        help="File to write, format by suffix: json, seg, ply, glb, png, svg. Repeatable.",
     ),
 ]
 Repeated = Annotated[list[str] | None, Parameter(negative=())]
@@ -273,6 +273,53 @@ def sample(
     from moseg_core.cli.sample import run_sample
 
     run_sample(name, out, labels)
+
+
+@app.command
+def plot(
+    result: Path,
+    /,
+    *,
+    out: Annotated[Path, Parameter(name=["--out", "-o"])],
+) -> None:
+    """Draw how a search went: cost per generation and per iteration, and what the starts came to.
+
+    Examples
+    --------
+    moseg plot horse.json -o convergence.svg
+
+    Parameters
+    ----------
+    result
+        A result (.json).
+    out
+        File to write: .svg or .png.
+    """
+    from moseg_core.cli.plot import run_plot
+
+    run_plot(result, out)
+
+
+@app.command
+def recipes(name: str | None = None, /, *, json: Flag = False) -> None:
+    """List installed recipes, or print one as it was shipped, to change it.
+
+    Examples
+    --------
+    moseg recipes
+
+    moseg recipes hammer > mine.toml
+
+    Parameters
+    ----------
+    name
+        Which one to print; all are listed without.
+    json
+        Print JSON instead of a table or TOML.
+    """
+    from moseg_core.cli.recipes import run_recipes
+
+    run_recipes(name, as_json=json)
 
 
 @benchmark_app.command
