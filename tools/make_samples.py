@@ -24,18 +24,29 @@ from pathlib import Path
 from types import ModuleType
 
 import numpy as np
-from samples import hammer, horse
+from samples import bulldog, dove, hammer, horse, octopus
 from samples.fields import FloatArray, dot
 from samples.remesh import IntArray, mesh_level_set
 
-SAMPLES: dict[str, ModuleType] = {"hammer": hammer, "horse": horse}
+SAMPLES: dict[str, ModuleType] = {
+    "bulldog": bulldog,
+    "dove": dove,
+    "hammer": hammer,
+    "horse": horse,
+    "octopus": octopus,
+}
 DESTINATION = Path(__file__).resolve().parent.parent / "moseg_core" / "samples"
 
 
 def make(sample: ModuleType) -> tuple[FloatArray, IntArray, IntArray]:
     """Vertices (V, 3), faces (F, 3) and the part number (F,) of each face."""
     vertices, faces = mesh_level_set(
-        sample.whole, sample.size, sample.LOW, sample.HIGH, grid=sample.GRID
+        sample.whole,
+        sample.size,
+        sample.LOW,
+        sample.HIGH,
+        grid=sample.GRID,
+        symmetric=sample.SYMMETRIC,
     )
     middle = (vertices[faces[:, 0]] + vertices[faces[:, 1]] + vertices[faces[:, 2]]) / 3.0
     distances = np.stack([solid(middle) for solid in sample.parts().values()], axis=1)

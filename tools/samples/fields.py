@@ -62,7 +62,7 @@ def blend(fields: Sequence[Field], width: float) -> Field:
 def loft(
     rows: Sequence[Row],
     *,
-    side: tuple[float, float, float] = (0.0, 0.0, 1.0),
+    side: tuple[float, float, float] | None = (0.0, 0.0, 1.0),
     power: int = 2,
     caps: tuple[float | None, float | None] = (None, None),
     flat: tuple[float | None, float | None] = (None, None),
@@ -77,7 +77,8 @@ def loft(
         everything is interpolated by cubics.
     side : (3,) float
         Direction of the half-axis `across`, made orthogonal to the curve; `up` is orthogonal to
-        both.
+        both. None carries any direction along the curve without twist: for round sections on
+        curves that turn every way.
     power : {2, 4}
         2 for ellipses, 4 for squares with well rounded corners.
     caps : pair of float or None
@@ -95,8 +96,7 @@ def loft(
     stations = _interpolate(np.array(rows, dtype=np.float64), steps)
     centers, axes = stations[:, :3], stations[:, 3:]
     tangents = _tangents(centers)
-    across = np.array(side) - dot(np.array(side), tangents)[:, None] * tangents
-    across = normalized(across)
+    across = _carried(tangents) if side is None else _orthogonal(np.array(side), tangents)
     up = np.cross(across, tangents)
     reach = tuple(
         float(axes[end].min()) if cap is None else cap
@@ -131,6 +131,22 @@ def loft(
         return distance
 
     return field
+
+
+def mirrored(field: Field) -> Field:
+    """Image of a solid in the plane z = 0."""
+    return lambda points: field(points * np.array([1.0, 1.0, -1.0]))
+
+
+def folded(field: Field) -> Field:
+    """Make the half of a solid at negative z, and its image, into one solid."""
+
+    def symmetric(points: FloatArray) -> FloatArray:
+        left = points.copy()
+        left[:, 2] = -np.abs(points[:, 2])
+        return field(left)
+
+    return symmetric
 
 
 def gradient(field: Field, points: FloatArray, step: float) -> FloatArray:
@@ -177,6 +193,20 @@ def _nearest_place(points: FloatArray, centers: FloatArray) -> FloatArray:
         best[closer] = distance[closer]
         place[closer] = i + t[closer]
     return place
+
+
+def _orthogonal(direction: FloatArray, tangents: FloatArray) -> FloatArray:
+    """Directions of length 1 orthogonal to each tangent, nearest to a given one."""
+    return normalized(direction - dot(direction, tangents)[..., None] * tangents)
+
+
+def _carried(tangents: FloatArray) -> FloatArray:
+    """Directions orthogonal to each tangent, each nearest to the one before."""
+    least = np.abs(tangents[0]).argmin()
+    across = [_orthogonal(np.eye(3)[least], tangents[0])]
+    for tangent in tangents[1:]:
+        across.append(_orthogonal(across[-1], tangent))
+    return np.stack(across)
 
 
 def _interpolate(rows: FloatArray, steps: int) -> FloatArray:

@@ -1,0 +1,95 @@
+"""The sample `dove`: a dove that glides with its wings spread, in millimetres.
+
+x points forward, y up, z to the dove's right; the lowest point of the belly is at y = 0. The dove
+is its own mirror image in the plane z = 0, and so is its mesh. Head and beak belong to the body.
+The wings are flat, reach forward to the wrist and back to the tip, and rise a little outwards; the
+tail is a flat fan.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from samples.fields import Field, FloatArray, blend, folded, loft, mirrored, smooth_min
+
+GRID = 3.5
+LOW = np.array([-240.0, -15.0, -350.0])
+HIGH = np.array([220.0, 150.0, 350.0])
+SYMMETRIC = True
+FILLET = 12.0
+
+
+def parts() -> dict[str, Field]:
+    """Return the solids of the four parts, each without the others."""
+    wing = _left_wing()
+    return {"body": _body(), "wing1": wing, "wing2": mirrored(wing), "tail": _tail()}
+
+
+def whole(points: FloatArray) -> FloatArray:
+    """Blend the dove into one; wings and tail flow into the body."""
+    return folded(_left)(points)
+
+
+def size(points: FloatArray) -> FloatArray:
+    """Give the length of edges: shorter towards the beak, which is small."""
+    return np.clip(3.0 + 0.06 * (190.0 - points[:, 0]), 3.0, 6.0)
+
+
+def _left(points: FloatArray) -> FloatArray:
+    """Blend the parts that have a left half."""
+    body = _body()(points)
+    wing = smooth_min(body, _left_wing()(points), FILLET)
+    tail = smooth_min(body, _tail()(points), FILLET)
+    return smooth_min(wing, tail, 2.0)
+
+
+def _body() -> Field:
+    """A spindle from the rump to the neck, a round head, and a beak."""
+    trunk = loft(
+        [
+            (-120.0, 50.0, 0.0, 12.0, 20.0),
+            (-80.0, 46.0, 0.0, 24.0, 29.0),
+            (-30.0, 41.0, 0.0, 34.0, 35.0),
+            (25.0, 39.0, 0.0, 39.0, 37.0),
+            (70.0, 46.0, 0.0, 35.0, 32.0),
+            (105.0, 58.0, 0.0, 24.0, 23.0),
+            (130.0, 67.0, 0.0, 20.0, 19.5),
+        ],
+        caps=(12.0, 12.0),
+    )
+    head = loft([(132.0, 69.0, 0.0, 21.0, 19.5), (146.0, 69.0, 0.0, 19.0, 17.0)], steps=1)
+    beak = loft(
+        [(155.0, 66.0, 0.0, 8.5, 7.5), (170.0, 63.0, 0.0, 5.5, 5.5), (182.0, 59.0, 0.0, 4.0, 4.0)],
+    )
+    return blend([trunk, head, beak], 8.0)
+
+
+def _left_wing() -> Field:
+    """Make a thin plate with a rounded rim, from within the body to the tip."""
+    return loft(
+        [
+            (22.0, 56.0, -5.0, 8.5, 48.0),
+            (26.0, 60.0, -50.0, 8.0, 48.0),
+            (34.0, 66.0, -110.0, 7.0, 47.0),
+            (34.0, 73.0, -170.0, 6.5, 43.0),
+            (18.0, 80.0, -235.0, 6.0, 35.0),
+            (-12.0, 86.0, -300.0, 5.5, 20.0),
+        ],
+        side=(1.0, 0.0, 0.0),
+        power=4,
+        caps=(5.0, 22.0),
+    )
+
+
+def _tail() -> Field:
+    """Make a fan, flat, about as long as it is wide."""
+    return loft(
+        [
+            (-75.0, 52.0, 0.0, 9.0, 18.0),
+            (-115.0, 53.0, 0.0, 7.0, 24.0),
+            (-155.0, 53.0, 0.0, 6.0, 36.0),
+            (-205.0, 52.0, 0.0, 5.5, 52.0),
+        ],
+        power=4,
+        caps=(5.0, 10.0),
+    )

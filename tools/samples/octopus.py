@@ -1,0 +1,110 @@
+"""The sample `octopus`: an octopus that moves its eight arms every way, in millimetres.
+
+y is up, and x points to where its eyes look; the lowest arm touches the ground y = 0. The mantle,
+the eyes and the ring from which the arms grow are the head. All arms are equally long, measured
+along them, and equally thick; each bends in its own way, some rise, curl, or pass above another.
+They keep well apart, so that two places may be near in space and far along the surface.
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+
+import numpy as np
+
+from samples.fields import Field, FloatArray, Row, blend, dot, loft, normalized, smooth_min
+
+GRID = 3.0
+LOW = np.array([-300.0, -12.0, -300.0])
+HIGH = np.array([300.0, 260.0, 300.0])
+SYMMETRIC = False
+FILLET = 8.0
+
+# The turns of each arm, to its left and upwards, from one piece to the next.
+STEP = 30.0
+BENDS: dict[str, list[tuple[float, float]]] = {
+    # On the ground, in a widening curl to the left.
+    "arm1": [(0, -0.1), (0, 0.05), (0.2, 0.1), (0.4, 0), (0.6, 0), (0.6, 0), (0.6, 0), (0.6, 0)],
+    # Up in an arch, the tip hooked under.
+    "arm2": [(0, 0.4), (0, 0.3), (0, 0), (0, -0.3), (0, -0.5), (0, -0.5), (0, -0.5), (0, -0.5)],
+    # On the ground, right and left again.
+    "arm3": [(-0.3, -0.1), (-0.3, 0.1), (0.3, 0.05), (0.5, 0), (0.5, 0), (0, 0), (-0.5, 0), (-0.5, 0)],
+    "arm4": [(0, 0.3), (0.2, 0.2), (0.3, 0), (0.3, -0.2), (0.3, -0.2), (0, 0), (0, 0), (0, 0)],
+    "arm5": [(0, 0.1), (0, 0.3), (0, 0.4), (0, 0.5), (0, 0.55), (0, 0.6), (0, 0.6), (0, 0.6)],
+    "arm6": [(-0.1, -0.1), (-0.3, 0.1), (-0.3, 0), (-0.3, 0), (-0.2, 0), (0, 0), (0.3, 0), (0.4, 0)],
+    "arm7": [(0, 0.4), (0.2, 0.2), (0.2, -0.1), (0.2, -0.3), (0.2, -0.2), (0, 0.1), (0, 0.2), (0, 0.2)],
+    "arm8": [(0.3, 0.2), (0.3, 0.1), (0, 0), (-0.4, 0), (-0.5, 0.2), (-0.5, 0.2), (-0.5, 0.2), (0, 0.2)],
+}
+
+
+def parts() -> dict[str, Field]:
+    """Return the solids of the nine parts, each without the others."""
+    arms = zip(BENDS, _directions(), strict=True)
+    return {"head": _head(), **{name: _arm(out, BENDS[name]) for name, out in arms}}
+
+
+def whole(points: FloatArray) -> FloatArray:
+    """Blend the octopus into one: each arm with the head, and none with another."""
+    head, *arms = [solid(points) for solid in parts().values()]
+    joined = [smooth_min(head, arm, FILLET) for arm in arms]
+    result = joined[0]
+    for other in joined[1:]:
+        result = np.minimum(result, other)
+    return result
+
+
+def size(points: FloatArray) -> FloatArray:
+    """Give the length of edges: shorter away from the head, where the arms are thin."""
+    from_head = points - np.array([0.0, 40.0, 0.0])
+    return np.clip(8.0 - 0.016 * (np.sqrt(dot(from_head, from_head)) - 60.0), 4.5, 8.0)
+
+
+def _head() -> Field:
+    """Ring of the arms, neck, mantle, and two eyes."""
+    mantle = loft(
+        [
+            (0.0, 30.0, 0.0, 46.0, 46.0),
+            (0.0, 60.0, 0.0, 40.0, 40.0),
+            (-8.0, 95.0, 0.0, 50.0, 48.0),
+            (-22.0, 135.0, 0.0, 48.0, 45.0),
+            (-34.0, 170.0, 0.0, 28.0, 26.0),
+        ],
+        caps=(16.0, 20.0),
+    )
+    eyes = [
+        loft([(26.0, 62.0, 24.0 * s, 13.0, 13.0), (32.0, 63.0, 30.0 * s, 12.0, 12.0)], steps=1)
+        for s in (-1.0, 1.0)
+    ]
+    return blend([mantle, *eyes], 8.0)
+
+
+def _directions() -> list[FloatArray]:
+    """Eight directions in which arms leave the head, a quarter of a right angle off the axes."""
+    near, far = sqrt(2.0 + sqrt(2.0)) / 2.0, sqrt(2.0 - sqrt(2.0)) / 2.0
+    around = [(near, far), (far, near), (-far, near), (-near, far)]
+    return [np.array([s * x, 0.0, s * z]) for s in (1.0, -1.0) for x, z in around]
+
+
+def _center_line(out: FloatArray, bends: list[tuple[float, float]]) -> FloatArray:
+    """Points at equal steps along an arm, which turns from each to the next."""
+    up = np.array([0.0, 1.0, 0.0])
+    place = 30.0 * out + 26.0 * up
+    heading = out
+    line = [place]
+    for left, rise in [(0.0, 0.0), *bends]:
+        aside = normalized(np.cross(up, heading))
+        heading = normalized(heading + left * aside + rise * np.cross(heading, aside))
+        place = place + STEP * heading
+        line.append(place)
+    return np.stack(line)
+
+
+def _arm(out: FloatArray, bends: list[tuple[float, float]]) -> Field:
+    """Make a round arm that tapers from within the head to the tip."""
+    line = _center_line(out, bends)
+    radius = 13.0 - 8.0 * np.arange(len(line)) / (len(line) - 1)
+    rows: list[Row] = [
+        (float(p[0]), float(p[1]), float(p[2]), float(r), float(r))
+        for p, r in zip(line, radius, strict=True)
+    ]
+    return loft(rows, side=None, steps=4)
