@@ -63,7 +63,7 @@ def loft(
     rows: Sequence[Row],
     *,
     side: tuple[float, float, float] | None = (0.0, 0.0, 1.0),
-    power: int = 2,
+    power: int | None = 2,
     caps: tuple[float | None, float | None] = (None, None),
     flat: tuple[float | None, float | None] = (None, None),
     steps: int = 6,
@@ -79,8 +79,9 @@ def loft(
         Direction of the half-axis `across`, made orthogonal to the curve; `up` is orthogonal to
         both. None carries any direction along the curve without twist: for round sections on
         curves that turn every way.
-    power : {2, 4}
-        2 for ellipses, 4 for squares with well rounded corners.
+    power : {2, 4, None}
+        2 for ellipses, 4 for squares with well rounded corners, None for a plate: a thin section
+        with parallel sides `up` from the middle, and a half-round rim.
     caps : pair of float or None
         How far the rounded start and end reach beyond the curve; by default as far as the smaller
         half-axis there.
@@ -123,7 +124,10 @@ def loft(
             if rim is None:
                 local[beyond, 2] = dot(delta[beyond], tangents[end])
                 scale[beyond, 2] = length
-        distance = _oval_distance(local, scale, power)
+        if power is None:
+            distance = _plate_distance(local, scale)
+        else:
+            distance = _oval_distance(local, scale, power)
         for end, sign, rim in zip((0, -1), (-1.0, 1.0), flat, strict=True):
             if rim is not None:
                 height = sign * dot(points - centers[end], tangents[end])
@@ -176,6 +180,14 @@ def _oval_distance(local: FloatArray, scale: FloatArray, power: int) -> FloatArr
     # On the axis itself the gradient of the norm is not defined: the widest half-axis stands in.
     length = np.maximum(np.sqrt(dot(slopes, slopes)), 1.0 / scale.max(axis=1))
     distance: FloatArray = (norm - 1.0) / length
+    return distance
+
+
+def _plate_distance(local: FloatArray, scale: FloatArray) -> FloatArray:
+    """Distance to a flat rectangle, less the half thickness."""
+    rest = np.abs(local)
+    rest[:, 1:] = np.maximum(rest[:, 1:] - np.maximum(scale[:, 1:] - scale[:, :1], 0.0), 0.0)
+    distance: FloatArray = np.sqrt(dot(rest, rest)) - scale[:, 0]
     return distance
 
 

@@ -14,26 +14,31 @@ import numpy as np
 
 from samples.fields import Field, FloatArray, Row, blend, dot, loft, normalized, smooth_min
 
-GRID = 3.0
-LOW = np.array([-300.0, -12.0, -300.0])
-HIGH = np.array([300.0, 260.0, 300.0])
+GRID = 4.0
+LOW = np.array([-215.0, -12.0, -325.0])
+HIGH = np.array([250.0, 210.0, 295.0])
 SYMMETRIC = False
 FILLET = 8.0
 
 # The turns of each arm, to its left and upwards, from one piece to the next.
 STEP = 30.0
+BASE = 14.4
 BENDS: dict[str, list[tuple[float, float]]] = {
-    # On the ground, in a widening curl to the left.
-    "arm1": [(0, -0.1), (0, 0.05), (0.2, 0.1), (0.4, 0), (0.6, 0), (0.6, 0), (0.6, 0), (0.6, 0)],
+    # Along the ground, the end rolled up to the left.
+    "arm1": [(0, -0.1), (-0.1, 0.05), (-0.1, 0.05), (0.2, 0), (0.5, 0), (0.6, 0), (0.65, 0), (0.7, 0), (0.75, 0)],
     # Up in an arch, the tip hooked under.
-    "arm2": [(0, 0.4), (0, 0.3), (0, 0), (0, -0.3), (0, -0.5), (0, -0.5), (0, -0.5), (0, -0.5)],
-    # On the ground, right and left again.
-    "arm3": [(-0.3, -0.1), (-0.3, 0.1), (0.3, 0.05), (0.5, 0), (0.5, 0), (0, 0), (-0.5, 0), (-0.5, 0)],
-    "arm4": [(0, 0.3), (0.2, 0.2), (0.3, 0), (0.3, -0.2), (0.3, -0.2), (0, 0), (0, 0), (0, 0)],
-    "arm5": [(0, 0.1), (0, 0.3), (0, 0.4), (0, 0.5), (0, 0.55), (0, 0.6), (0, 0.6), (0, 0.6)],
-    "arm6": [(-0.1, -0.1), (-0.3, 0.1), (-0.3, 0), (-0.3, 0), (-0.2, 0), (0, 0), (0.3, 0), (0.4, 0)],
-    "arm7": [(0, 0.4), (0.2, 0.2), (0.2, -0.1), (0.2, -0.3), (0.2, -0.2), (0, 0.1), (0, 0.2), (0, 0.2)],
-    "arm8": [(0.3, 0.2), (0.3, 0.1), (0, 0), (-0.4, 0), (-0.5, 0.2), (-0.5, 0.2), (-0.5, 0.2), (0, 0.2)],
+    "arm2": [(0, 0.5), (0.1, 0.4), (0.1, 0.1), (0, -0.3), (-0.2, -0.5), (-0.3, -0.5), (-0.4, -0.4), (-0.4, 0), (-0.4, 0.3)],
+    # Along the ground, right and left again.
+    "arm3": [(0, -0.1), (-0.1, 0.1), (-0.2, 0), (-0.4, 0), (-0.4, 0), (-0.1, 0), (0.4, 0), (0.5, 0), (0.5, 0)],
+    # Up and over arm 3.
+    "arm4": [(0.1, 0.45), (0.4, 0.4), (0.4, -0.1), (0.3, -0.3), (0.1, -0.2), (0, 0), (-0.2, 0.1), (-0.4, 0.2), (-0.5, 0.2)],
+    # Rolled up in the upright plane.
+    "arm5": [(0, -0.1), (0, 0.1), (0, 0.2), (0, 0.4), (0, 0.6), (0, 0.65), (0, 0.7), (0, 0.75), (0, 0.8)],
+    # Along the ground and under arm 7.
+    "arm6": [(0, -0.1), (-0.2, 0.1), (-0.3, 0), (-0.3, 0), (-0.2, 0), (0, 0), (0.3, 0), (0.4, 0), (0.5, 0)],
+    "arm7": [(0, 0.4), (0.2, 0.3), (0.3, -0.2), (0.3, -0.3), (0.2, -0.2), (0, 0), (0, 0.2), (-0.3, 0.2), (-0.4, 0.3)],
+    # A screw.
+    "arm8": [(0, 0.3), (-0.2, 0.3), (-0.5, 0.2), (-0.5, 0.3), (-0.5, 0.3), (-0.5, 0.3), (-0.5, 0.3), (-0.55, 0.3), (-0.55, 0.3)],
 }
 
 
@@ -56,23 +61,24 @@ def whole(points: FloatArray) -> FloatArray:
 def size(points: FloatArray) -> FloatArray:
     """Give the length of edges: shorter away from the head, where the arms are thin."""
     from_head = points - np.array([0.0, 40.0, 0.0])
-    return np.clip(8.0 - 0.016 * (np.sqrt(dot(from_head, from_head)) - 60.0), 4.5, 8.0)
+    return np.clip(7.2 - 0.018 * (np.sqrt(dot(from_head, from_head)) - 80.0), 4.0, 7.2)
 
 
 def _head() -> Field:
     """Ring of the arms, neck, mantle, and two eyes."""
     mantle = loft(
         [
-            (0.0, 30.0, 0.0, 46.0, 46.0),
-            (0.0, 60.0, 0.0, 40.0, 40.0),
-            (-8.0, 95.0, 0.0, 50.0, 48.0),
-            (-22.0, 135.0, 0.0, 48.0, 45.0),
-            (-34.0, 170.0, 0.0, 28.0, 26.0),
+            (0.0, BASE, 0.0, 58.0, 58.0),
+            (0.0, 36.0, 0.0, 48.0, 48.0),
+            (-2.0, 58.0, 0.0, 41.0, 42.0),
+            (-10.0, 90.0, 0.0, 48.0, 47.0),
+            (-19.0, 122.0, 0.0, 50.0, 48.0),
+            (-29.0, 150.0, 0.0, 45.0, 43.0),
         ],
-        caps=(16.0, 20.0),
+        caps=(13.0, 42.0),
     )
     eyes = [
-        loft([(26.0, 62.0, 24.0 * s, 13.0, 13.0), (32.0, 63.0, 30.0 * s, 12.0, 12.0)], steps=1)
+        loft([(24.0, 58.0, 25.0 * s, 13.0, 13.0), (31.0, 60.0, 31.0 * s, 12.0, 12.0)], steps=1)
         for s in (-1.0, 1.0)
     ]
     return blend([mantle, *eyes], 8.0)
@@ -87,13 +93,14 @@ def _directions() -> list[FloatArray]:
 
 def _center_line(out: FloatArray, bends: list[tuple[float, float]]) -> FloatArray:
     """Points at equal steps along an arm, which turns from each to the next."""
-    up = np.array([0.0, 1.0, 0.0])
-    place = 30.0 * out + 26.0 * up
-    heading = out
+    heading, lift = out, np.array([0.0, 1.0, 0.0])
+    place = 32.0 * out + BASE * lift
     line = [place]
     for left, rise in [(0.0, 0.0), *bends]:
-        aside = normalized(np.cross(up, heading))
-        heading = normalized(heading + left * aside + rise * np.cross(heading, aside))
+        ahead = normalized(heading + left * np.cross(lift, heading) + rise * lift)
+        lift = normalized(lift - rise * heading)
+        lift = normalized(lift - dot(lift, ahead) * ahead)
+        heading = ahead
         place = place + STEP * heading
         line.append(place)
     return np.stack(line)
@@ -102,9 +109,9 @@ def _center_line(out: FloatArray, bends: list[tuple[float, float]]) -> FloatArra
 def _arm(out: FloatArray, bends: list[tuple[float, float]]) -> Field:
     """Make a round arm that tapers from within the head to the tip."""
     line = _center_line(out, bends)
-    radius = 13.0 - 8.0 * np.arange(len(line)) / (len(line) - 1)
+    radius = 12.0 - 7.0 * np.arange(len(line)) / (len(line) - 1)
     rows: list[Row] = [
         (float(p[0]), float(p[1]), float(p[2]), float(r), float(r))
         for p, r in zip(line, radius, strict=True)
     ]
-    return loft(rows, side=None, steps=4)
+    return loft(rows, side=None, steps=3)
