@@ -1,10 +1,11 @@
 """Make the sample shapes that moseg ships, with the labels of their true parts.
 
 Each sample is a smooth solid: the parts, each a union of swept ovals, blended so that the joints
-have fillets (``samples/hammer.py``, ``samples/horse.py``). Its surface is meshed evenly
-(``samples/remesh.py``). A face belongs to the part whose own solid, taken without the others and
-without the fillet between parts, has the smallest signed distance at the centroid of the face.
-So the labels follow from the construction alone.
+have fillets (``samples/hammer.py``, ``samples/octopus.py`` and so on). Its surface is meshed
+evenly (``samples/remesh.py``); where the solid is its own mirror image, so is the mesh. A face
+belongs to the part whose own solid, taken without the others and without the fillet between parts,
+has the smallest signed distance at the centroid of the face. So the labels follow from the
+construction alone.
 
 Run it from anywhere, with scikit-image installed::
 

@@ -9,7 +9,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from samples.fields import Field, FloatArray, blend, dot, folded, loft, mirrored, smooth_max, smooth_min
+from samples.fields import (
+    Field,
+    FloatArray,
+    blend,
+    dot,
+    folded,
+    loft,
+    mirrored,
+    smooth_max,
+    smooth_min,
+)
 
 GRID = 0.008
 LOW = np.array([-0.45, -0.03, -0.27])
@@ -108,7 +118,9 @@ def _left_of_head() -> Field:
     jowl = loft(
         [(0.430, 0.335, -0.064, 0.032, 0.028), (0.424, 0.272, -0.078, 0.027, 0.024)], steps=1
     )
-    brow = loft([(0.405, 0.428, -0.082, 0.024, 0.024), (0.424, 0.432, -0.040, 0.022, 0.022)], steps=1)
+    brow = loft(
+        [(0.405, 0.428, -0.082, 0.024, 0.024), (0.424, 0.432, -0.040, 0.022, 0.022)], steps=1
+    )
     ear = blend(
         [
             loft(
@@ -151,7 +163,7 @@ def _hind_leg() -> Field:
     thigh = loft(
         [
             (-0.225, 0.255, -0.075, 0.095, 0.055),
-            (-0.200, 0.190, -0.108, 0.086, 0.058),
+            (-0.206, 0.197, -0.100, 0.087, 0.062),
             (-0.188, 0.140, -0.122, 0.060, 0.048),
         ],
     )

@@ -153,6 +153,21 @@ def folded(field: Field) -> Field:
     return symmetric
 
 
+def bounded(field: Field, low: FloatArray, high: FloatArray, beyond: float) -> Field:
+    """Give a field within a box, and `beyond` out of it, where the true distance is no less.
+
+    For solids in one corner of a large box: what is far from the surface need not be exact.
+    """
+
+    def within(points: FloatArray) -> FloatArray:
+        inside = ((points >= low) & (points <= high)).all(axis=1)
+        distance = np.full(len(points), beyond)
+        distance[inside] = field(points[inside])
+        return distance
+
+    return within
+
+
 def gradient(field: Field, points: FloatArray, step: float) -> FloatArray:
     """(n, 3) central differences of a field."""
     result = np.empty_like(points)
