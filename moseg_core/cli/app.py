@@ -249,7 +249,7 @@ def evaluate(
 
 @app.command
 def sample(
-    name: Literal["hammer", "horse"],
+    name: Literal["bulldog", "dove", "hammer", "horse", "octopus"],
     /,
     *,
     out: Annotated[Path, Parameter(name=["--out", "-o"])],
