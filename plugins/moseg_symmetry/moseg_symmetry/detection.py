@@ -5,8 +5,8 @@
    planes is judged by some hundred points in a grid of distances.
 2. The best, no two of them close together, are improved against the surface itself
    (:mod:`moseg_symmetry.refine`), first with few points and tolerantly, then with many.
-3. What is left is in the order of the residual. A plane is one of symmetry if it maps at least
-   :data:`ENOUGH` of the area to within :data:`NEAR` of the surface.
+3. A plane is one of symmetry if it maps at least :data:`ENOUGH` of the area to within
+   :data:`NEAR` of the surface.
 
 All of it is deterministic. Which plane is *the* plane is decided by :func:`preferred`.
 """
@@ -38,7 +38,8 @@ _OFFSETS = np.linspace(-0.12, 0.12, 11)
 _COARSE_POINTS, _FEW_POINTS, _MANY_POINTS = 300, 800, 4000
 _COARSE_SIGMA = 0.03
 _CANDIDATES = 16
-_FINALISTS = 8
+_FINALISTS = 12
+_PROMISING = 0.35
 _APART = np.sin(np.radians(12.0))
 _SAME = 0.04
 
@@ -82,8 +83,8 @@ def detect_planes(shape: Shape) -> list[PlaneSymmetry]:
     Returns
     -------
     list of PlaneSymmetry
-        Up to eight, at least one, no two of them nearly the same. Ask each whether it
-        :attr:`~PlaneSymmetry.holds`.
+        Up to twelve, at least one, no two of them nearly the same. Ask each whether it
+        :attr:`~PlaneSymmetry.holds`. They are in the order of :func:`preferred`.
 
     Examples
     --------
@@ -97,7 +98,12 @@ def detect_planes(shape: Shape) -> list[PlaneSymmetry]:
     [0. 0. 1.] 1.0
     """
     surface = surface_of(shape)
-    return [_judged(surface, motion) for motion in reflections(surface)]
+    left = [_judged(surface, motion) for motion in reflections(surface)]
+    found = []
+    while left:
+        found.append(preferred(left))
+        left.remove(found[-1])
+    return found
 
 
 def require_plane(shape: Shape) -> PlaneSymmetry:
@@ -111,7 +117,7 @@ def require_plane(shape: Shape) -> PlaneSymmetry:
     found = detect_planes(shape)
     holding = [symmetry for symmetry in found if symmetry.holds]
     if holding:
-        return preferred(holding)
+        return holding[0]
     best = max(found, key=lambda symmetry: symmetry.share)
     raise ShapeError(
         f"'{shape.name}' has no plane of symmetry: the best one maps only {best.share:.0%} of the"
@@ -142,12 +148,16 @@ def reflections(surface: Surface) -> list[Reflection]:
     """The best reflections of a surface, in the order of their residuals."""
     few, many = surface.samples(_FEW_POINTS), surface.samples(_MANY_POINTS)
     improved = [
-        refined(surface, start, few, schedule=[(0.04, 8), (SIGMA, 10)])
+        refined(surface, start, few, schedule=[(0.04, 8), (SIGMA, 8)])
         for start in _candidates(surface)
     ]
-    finalists = _different(surface, improved, few)[:_FINALISTS]
-    ended = [refined(surface, motion, many, schedule=[(SIGMA, 12)]) for motion in finalists]
-    return _different(surface, ended, many)
+    losses, different = _different(surface, improved, few)
+    # Two at least, so that the best can be named where none is good.
+    count = min(max(2, int((losses < _PROMISING).sum())), _FINALISTS)
+    ended = [
+        refined(surface, motion, many, schedule=[(SIGMA, 12)]) for motion in different[:count]
+    ]
+    return _different(surface, ended, many)[1]
 
 
 def half_sphere(n: int) -> FloatArray:
@@ -183,16 +193,14 @@ def _candidates(surface: Surface) -> list[Reflection]:
 
 def _different(
     surface: Surface, motions: Sequence[Reflection], points: FloatArray
-) -> list[Reflection]:
-    """The motions by their residuals, without those that are nearly a better one."""
-    losses = [
-        float(loss(surface.distances(motion.images(points)[0]), SIGMA)) for motion in motions
-    ]
-    kept: list[Reflection] = []
+) -> tuple[FloatArray, list[Reflection]]:
+    """The motions with their losses, best first, without those that are nearly a better one."""
+    losses = np.array([loss(surface.distances(m.images(points)[0]), SIGMA) for m in motions])
+    kept: list[int] = []
     for i in np.argsort(losses, kind="stable"):
-        if all(motions[i].apart(other) > _SAME for other in kept):
-            kept.append(motions[i])
-    return kept
+        if all(motions[i].apart(motions[k]) > _SAME for k in kept):
+            kept.append(int(i))
+    return losses[kept], [motions[i] for i in kept]
 
 
 def _judged(surface: Surface, motion: Reflection) -> PlaneSymmetry:

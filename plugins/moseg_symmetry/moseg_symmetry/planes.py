@@ -49,12 +49,13 @@ class Plane:
         Examples
         --------
         >>> Plane.through([0, 0, 1], [0, 0, -2]).normal.tolist()
-        [-0.0, -0.0, 1.0]
+        [0.0, 0.0, 1.0]
         """
         direction = np.array(normal, np.float64)
         # By the greatest component first: the squares of 1e-200 are 0.
         direction = direction / direction[np.argmax(np.abs(direction))]
-        return cls(np.array(point, np.float64), direction / np.linalg.norm(direction))
+        direction = direction / np.linalg.norm(direction) + 0.0  # no -0.0
+        return cls(np.array(point, np.float64), direction)
 
     def heights(self, points: FloatArray) -> FloatArray:
         """(k,) float: signed distances of (k, 3) points from the plane."""

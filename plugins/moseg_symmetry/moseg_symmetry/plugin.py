@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from moseg_core import ConstraintSpec, hookimpl
+from moseg_core import CommandSpec, ConstraintSpec, hookimpl
 
 _PACKAGE = "moseg_symmetry"
 
@@ -21,4 +21,16 @@ def moseg_constraints() -> list[ConstraintSpec]:
             target=f"{_PACKAGE}.constraints:OnPlane",
             summary="on_plane(body, head): the centres lie on the plane of symmetry",
         ),
+    ]
+
+
+@hookimpl
+def moseg_commands() -> list[CommandSpec]:
+    """What symmetries a shape has."""
+    return [
+        CommandSpec(
+            name="symmetry",
+            target=f"{_PACKAGE}.command:symmetry",
+            summary="Show the planes and axes of symmetry of a shape.",
+        )
     ]
