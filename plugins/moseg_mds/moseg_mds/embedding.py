@@ -12,7 +12,8 @@ How the vertices get their places::
                       each to every vertex                        geodesics.py, paths.py
     classical_mds     landmarks by their distances                scaling.py
     majorize          landmarks by less stress                    majorize.py
-    place             all other vertices among the landmarks      majorize.py
+    carry_along       all other vertices with the landmarks       carry.py
+    place             these by less stress                        majorize.py
 
 Stress knows no inside and outside: a limb turned inside out, like a glove, has the same. What keeps
 the surface from turning is where the search for less stress begins: at the shape's own pose, from
@@ -30,6 +31,7 @@ import numpy as np
 import numpy.typing as npt
 
 from moseg_core import Interval, Shape
+from moseg_mds.carry import carry_along, handedness, turned_like
 from moseg_mds.geodesics import distance_solver
 from moseg_mds.landmarks import farthest_points
 from moseg_mds.majorize import majorize, place, stress, stress_weights
@@ -42,10 +44,9 @@ IntArray = npt.NDArray[np.int64]
 #: The pose's own start is kept unless the other ends with a stress this much lower.
 _BETTER = 0.98
 
-#: Steps for the vertices between the landmarks, of those for the landmarks.
-_FEWER = 8
-
-_ROWS = 4096
+#: Steps for the vertices between the landmarks: more of them lower the stress by nothing that
+#: shows, and crumple thin limbs.
+_STEPS = 4
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -157,56 +158,38 @@ class MDS:
         """(N, 3) float: places of little stress."""
         among = table[:, landmarks]
         among = (among + among.T) / 2.0
-        weights = stress_weights(among, self.exponent)
         own = surface.vertices[landmarks]
-        # As large as it will be, so that limbs need not grow.
-        size = float((weights * among**2).sum() / (weights * among * _apart(own)).sum())
-        starts = [own * size, _like(classical_mds(among), own, mirror=True)]
-        ends = [majorize(among, start, weights=weights, steps=self.refine) for start in starts]
-        stresses = [stress(among, end, weights) for end in ends]
-        end = ends[1] if stresses[1] < _BETTER * stresses[0] else ends[0]
+        moved = self._moved(among, own)
         if len(landmarks) == len(surface.vertices):
             places = np.empty_like(surface.vertices)
-            places[landmarks] = end
+            places[landmarks] = moved
             return places
-        start = surface.vertices * size + _interpolated(table, end - own * size)
-        steps = max(1, self.refine // _FEWER)
-        return place(table, end, start, weights=stress_weights(table, self.exponent), steps=steps)
+        start = carry_along(surface.vertices, table, own, moved)
+        weights = stress_weights(table, self.exponent)
+        return place(table, moved, start, weights=weights, steps=_STEPS)
 
-
-def _apart(places: FloatArray) -> FloatArray:
-    """(k, k) float: distances in space."""
-    return np.asarray(np.linalg.norm(places[:, None] - places, axis=2))
-
-
-def _interpolated(table: FloatArray, values: FloatArray) -> FloatArray:
-    """(n, d) float: values at the landmarks, carried over to everything by ``distance^-4``."""
-    near = 1e-6 * float(table.max())
-    found = np.empty((table.shape[1], values.shape[1]))
-    for start in range(0, table.shape[1], _ROWS):
-        some = slice(start, start + _ROWS)
-        share = np.maximum(table[:, some], near) ** -4.0
-        found[some] = np.einsum("kn,kd->nd", share / share.sum(axis=0), values)
-    return found
-
-
-def _like(places: FloatArray, model: FloatArray, *, mirror: bool) -> FloatArray:
-    """The places, centred and turned to lie as the model does (Kabsch), mirrored if allowed."""
-    centred = places - places.mean(axis=0)
-    u, _, vt = np.linalg.svd(np.einsum("ni,nj->ij", centred, model - model.mean(axis=0)))
-    if not mirror and np.linalg.det(u) * np.linalg.det(vt) < 0.0:
-        u = u * [1.0, 1.0, -1.0]
-    return np.einsum("ni,ij->nj", centred, u @ vt)
+    def _moved(self, among: FloatArray, own: FloatArray) -> FloatArray:
+        """(k, 3) float: places of little stress for the landmarks, given their own."""
+        weights = stress_weights(among, self.exponent)
+        # Distances in space are too short: enlarged, the pose has the least stress that it can.
+        apart = np.linalg.norm(own[:, None] - own, axis=2)
+        size = float((weights * among * apart).sum() / (weights * apart**2).sum())
+        starts = [own * size, classical_mds(among)]
+        ends = [majorize(among, start, weights=weights, steps=self.refine) for start in starts]
+        unbent, scaled = (stress(among, end, weights) for end in ends)
+        if scaled >= _BETTER * unbent:
+            return ends[0]
+        mirrored = handedness(among, own, ends[1]) < 0.0
+        return -ends[1] if mirrored else ends[1]
 
 
 def _turned(places: FloatArray, surface: Surface, *, closed: bool) -> FloatArray:
-    """Places turned as the shape is, and as it is not inside out."""
-    turned = _like(places, surface.vertices, mirror=not closed)
+    """Places turned as the shape is; mirrored if it would be inside out."""
     if closed:
-        before, after = (_signed_volume(v, surface.triangles) for v in (surface.vertices, turned))
+        before, after = (_signed_volume(v, surface.triangles) for v in (surface.vertices, places))
         if before * after < 0.0:
-            turned = _like(-turned, surface.vertices, mirror=False)
-    return turned
+            places = -places
+    return turned_like(places, surface.vertices)
 
 
 def _signed_volume(vertices: FloatArray, triangles: IntArray) -> float:
