@@ -30,9 +30,9 @@ from typing import Annotated
 import numpy as np
 import numpy.typing as npt
 
-from moseg_core import Interval, Shape
+from moseg_core import Interval, Shape, UsageError
 from moseg_mds.carry import carry_along, handedness, turned_like
-from moseg_mds.geodesics import distance_solver
+from moseg_mds.geodesics import METHODS, distance_solver
 from moseg_mds.landmarks import farthest_points
 from moseg_mds.majorize import majorize, place, stress, stress_weights
 from moseg_mds.scaling import classical_mds, landmark_mds, normalized_stress
@@ -47,6 +47,10 @@ _BETTER = 0.98
 #: Steps for the vertices between the landmarks: more of them lower the stress by nothing that
 #: shows, and crumple thin limbs.
 _STEPS = 4
+
+_LANDMARKS = Interval(4, 2000)
+_STEPS_ALLOWED = Interval(0, 100_000)
+_EXPONENTS = Interval(0, 4)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -79,12 +83,18 @@ class MDS:
     geodesics : {"auto", "exact", "heat", "graph"}
         How distances along the surface are computed (:mod:`moseg_mds.geodesics`).
     landmarks : int
-        Vertices from which they are computed; all where the shape has no more.
+        Vertices from which they are computed, 4 to 2000; all where the shape has no more. The
+        time grows in proportion, and from about 500 on with the third power.
     refine : int
-        Steps of stress majorisation; 0 for plain landmark scaling.
+        Steps of stress majorisation at most; 0 for plain landmark scaling.
     exponent : float
         The weight of a distance d in the stress is ``d**-exponent``: at 0 long distances rule, at
         2 limbs keep their thickness.
+
+    Raises
+    ------
+    UsageError
+        There are no such geodesics, or a number is out of bounds.
 
     Examples
     --------
@@ -104,10 +114,19 @@ class MDS:
         self,
         *,
         geodesics: str = "auto",
-        landmarks: Annotated[int, Interval(4, 5000)] = 200,
-        refine: Annotated[int, Interval(0, 10_000)] = 300,
-        exponent: Annotated[float, Interval(0, 4)] = 2.0,
+        landmarks: Annotated[int, _LANDMARKS] = 200,
+        refine: Annotated[int, _STEPS_ALLOWED] = 1000,
+        exponent: Annotated[float, _EXPONENTS] = 2.0,
     ) -> None:
+        if geodesics not in METHODS:
+            raise UsageError(f"geodesics='{geodesics}' is unknown; known: {', '.join(METHODS)}")
+        for name, value, allowed in (
+            ("landmarks", landmarks, _LANDMARKS),
+            ("refine", refine, _STEPS_ALLOWED),
+            ("exponent", exponent, _EXPONENTS),
+        ):
+            if value not in allowed:
+                raise UsageError(f"{name} is {value:g}; allowed is {allowed}")
         self.geodesics = geodesics
         self.landmarks = landmarks
         self.refine = refine
@@ -133,8 +152,6 @@ class MDS:
         ------
         ShapeError
             It is in several pieces; or unfit for the geodesics that were asked for.
-        UsageError
-            There are no such geodesics.
         """
         surface = Surface.of(shape)
         solver = distance_solver(surface.vertices, surface.triangles, self.geodesics)
