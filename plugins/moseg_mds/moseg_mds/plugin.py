@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from moseg_core import CommandSpec, EmbeddingSpec, hookimpl
+from moseg_core import CommandSpec, EmbeddingSpec, RecipeSpec, hookimpl
 
 _PACKAGE = "moseg_mds"
 
@@ -27,5 +27,17 @@ def moseg_commands() -> list[CommandSpec]:
             name="embed",
             target=f"{_PACKAGE}.command:embed",
             summary="Write a shape with its limbs stretched out, to look at.",
+        )
+    ]
+
+
+@hookimpl
+def moseg_recipes() -> list[RecipeSpec]:
+    """The recipe of Fig. 9 that unfolds the shape."""
+    return [
+        RecipeSpec(
+            name="octopus",
+            target=f"{_PACKAGE}.recipes:OCTOPUS",
+            summary="a head and eight arms, however they bend",
         )
     ]

@@ -157,9 +157,7 @@ def _candidates(surface: Surface) -> list[tuple[int | None, Turns]]:
     return found
 
 
-def _judged(
-    surface: Surface, motion: Turns, fold: int | None, points: FloatArray
-) -> AxisSymmetry:
+def _judged(surface: Surface, motion: Turns, fold: int | None, points: FloatArray) -> AxisSymmetry:
     """An axis with its values over all the turns of its kind."""
     # A turn and its inverse say about the same.
     turns = _ROUND if fold is None else 2.0 * np.pi / fold * np.arange(1, fold // 2 + 1)

@@ -137,6 +137,9 @@ class OnPlane:
     (3, [[0.0, 0.5, -0.125, 1.0]])
     """
 
+    #: Given several labels in an expression, it is made for each of them.
+    each = True
+
     def __init__(self, shape: Shape, labels: Sequence[int], *, plane: str = "auto") -> None:
         if not labels or len(set(labels)) < len(labels):
             raise UsageError(

@@ -154,9 +154,7 @@ def reflections(surface: Surface) -> list[Reflection]:
     losses, different = _different(surface, improved, few)
     # Two at least, so that the best can be named where none is good.
     count = min(max(2, int((losses < _PROMISING).sum())), _FINALISTS)
-    ended = [
-        refined(surface, motion, many, schedule=[(SIGMA, 12)]) for motion in different[:count]
-    ]
+    ended = [refined(surface, motion, many, schedule=[(SIGMA, 12)]) for motion in different[:count]]
     return _different(surface, ended, many)[1]
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from moseg_core import CommandSpec, ConstraintSpec, hookimpl
+from moseg_core import CommandSpec, ConstraintSpec, RecipeSpec, hookimpl
 
 _PACKAGE = "moseg_symmetry"
 
@@ -33,4 +33,21 @@ def moseg_commands() -> list[CommandSpec]:
             target=f"{_PACKAGE}.command:symmetry",
             summary="Show the planes and axes of symmetry of a shape.",
         )
+    ]
+
+
+@hookimpl
+def moseg_recipes() -> list[RecipeSpec]:
+    """The recipes of Fig. 9 with symmetry constraints."""
+    return [
+        RecipeSpec(
+            name="bulldog",
+            target=f"{_PACKAGE}.recipes:BULLDOG",
+            summary="a symmetric four-legged animal: head, body, two pairs of legs",
+        ),
+        RecipeSpec(
+            name="dove",
+            target=f"{_PACKAGE}.recipes:DOVE",
+            summary="a bird in flight: body, two wings, tail",
+        ),
     ]
