@@ -17,21 +17,29 @@ FLIP = np.array([-1.0, 1.0, 1.0, 1.0])
 class Mirror:
     """The first label is the mirror image of the second."""
 
+    flip = FLIP
+
     def __init__(self, shape, labels):
         self.determines, self.reads = (labels[0],), (labels[1],)
         self.lower = self.upper = np.empty(0)
 
     def expand(self, free, centers):
         whole = centers.copy()
-        whole[self.determines[0]] = FLIP * centers[self.reads[0]]
+        whole[self.determines[0]] = self.flip * centers[self.reads[0]]
         return whole
 
     def reduce(self, centers):
         whole = centers.copy()
         (k,), (j,) = self.determines, self.reads
-        whole[j] = (centers[j] + FLIP * centers[k]) / 2.0
-        whole[k] = FLIP * whole[j]
+        whole[j] = (centers[j] + self.flip * centers[k]) / 2.0
+        whole[k] = self.flip * whole[j]
         return np.empty(0), whole
+
+
+class Upside(Mirror):
+    """The first label is the second upside down: mirrored at y = 0."""
+
+    flip = np.array([1.0, -1.0, 1.0, 1.0])
 
 
 class OnPlane:
@@ -108,12 +116,8 @@ def long_thin(part: Part) -> float:
 
 def known() -> Registry:
     """Everything installed, and these constraints as the bundle ``test``."""
-    names = ["Mirror", "OnPlane", "Between", "Itself", "Misshapen", "Nothing", "pair"]
-    found = tuple(
-        Component(
-            "test", "tests 1.0", ConstraintSpec(name=name.lower(), target=f"{__name__}:{name}")
-        )
-        for name in names
-    )
+    names = ["Mirror", "Upside", "OnPlane", "Between", "Itself", "Misshapen", "Nothing", "pair"]
+    specs = [ConstraintSpec(name=name.lower(), target=f"{__name__}:{name}") for name in names]
+    found = tuple(Component("test", "tests 1.0", spec) for spec in specs)
     rest = [bundle for bundle in registry().bundles if bundle.name in ("core", "basic")]
     return Registry([*rest, Bundle("test", "tests", "1.0", __name__, found)])
