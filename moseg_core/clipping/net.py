@@ -7,9 +7,9 @@ its own centre than to the other end's.
 
 That is not always so, because connected segments are flooded (Algorithm 1): a part may own faces
 that are nearer to another centre, which the other's flood did not reach first. The corners of
-such a face are *closed* to the other label: they do not take it, whatever the distance. Nor is an
-edge cut whose ends are not each nearer to their own. There, boundaries stay where the flood drew
-them, on mesh edges.
+such a face, centroid and corners, are *closed* to the other label: they do not take it, whatever
+the distance. Nor is an edge cut whose ends are not each nearer to their own. There, boundaries
+stay where the flood drew them, on mesh edges.
 
 Everything is about positions and the edges between them, not about vertices and faces. So copies
 of a vertex, and all faces at an edge, however many, see one label and one cut.
@@ -136,15 +136,10 @@ class Net:
         return Cuts(label=label, cut=cut, where=where)
 
     def _vertex_labels(self, kept: BoolArray) -> IntArray:
-        face = self.mesh.triangle_polygon
+        own = self.label[self.mesh.triangle_polygon]
         around = np.zeros(self.near.shape, np.bool_)
-        around[self.corner, self.label[face][:, None]] = True
-        own = self.near_face[np.arange(len(self.label)), self.label]
-        drawn = self.near_face < own[:, None] * _CLEARLY
-        closed = np.zeros(self.near.shape, np.bool_)
-        triangle, other = np.nonzero(drawn[face])
-        for k in range(3):
-            closed[self.corner[triangle, k], other] = True
+        around[self.corner, own[:, None]] = True
+        closed = self._closed(own)
         closed |= (around & kept).any(axis=1)[:, None]
 
         near = np.where(closed, np.inf, self.near)
@@ -153,6 +148,20 @@ class Net:
         self._spread(label, near)
         return label
 
+    def _closed(self, own: IntArray) -> BoolArray:
+        """(P, n) bool: labels that lost a face at a position to the flood, though nearer to it."""
+        at = self.near_face[self.mesh.triangle_polygon]
+        rows = np.arange(len(own))
+        triangle, other = np.nonzero(at < at[rows, own][:, None] * _CLEARLY)
+        for k in range(3):
+            corner = self.corner[triangle, k]
+            nearer = self.near[corner, other] < self.near[corner, own[triangle]]
+            triangle, other = triangle[nearer], other[nearer]
+        closed = np.zeros(self.near.shape, np.bool_)
+        for k in range(3):
+            closed[self.corner[triangle, k], other] = True
+        return closed
+
     def _spread(self, label: IntArray, near: FloatArray) -> None:
         """Let labels go on along edges to what is nearer to them, in place.
 
@@ -160,8 +169,8 @@ class Net:
         bulge of the boundary between them. Distances fall with every change, so this ends.
         """
         ways = np.concatenate([self.ends, self.ends[:, ::-1]])
-        decided = (label >= 0)[ways]
-        ways = ways[decided.all(axis=1)]
+        decided = np.flatnonzero(label >= 0)
+        ways = ways[np.isin(ways[:, 0], decided) & np.isin(ways[:, 1], decided)]
         while True:
             to, new = ways[:, 1], label[ways[:, 0]]
             better = near[to, new] < near[to, label[to]]

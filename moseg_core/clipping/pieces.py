@@ -95,9 +95,8 @@ class _Division:
     labels: IntArray
 
     @classmethod
-    def of(
-        cls, cut: _Cut, *pieces: tuple[tuple[IntArray, IntArray, IntArray], IntArray]
-    ) -> _Division:
+    def of(cls, cut: _Cut, *pieces: tuple[tuple[IntArray, ...], IntArray]) -> _Division:
+        """From the three corners and the label of each piece."""
         corners = [np.stack(piece, axis=1) for piece, _ in pieces]
         labels = [label for _, label in pieces]
         return cls(
@@ -171,7 +170,7 @@ def _junctions(net: Net, cut: _Cut, cuts: Cuts) -> FloatArray:
     middle = (2.0 - along + np.roll(along, 1, axis=1)) / 6.0
     corners = net.places[net.corner[cut.triangle]]
     found = net.bisectors.junction(corners, cut.label, middle)
-    return np.where((found > _SNAP).all(axis=1)[:, None], found, middle)
+    return np.where(found.min(axis=1, keepdims=True) > _SNAP, found, middle)
 
 
 def _divide_once(cut: _Cut) -> _Division:
@@ -251,31 +250,26 @@ def _assembled(
     untouched = np.flatnonzero(~touched)
     loose = np.flatnonzero(touched[face] & ~divided)
 
-    corners = [d.corners.reshape(-1, 3) for d in divisions]
-    labels = [d.labels.reshape(-1) for d in divisions]
-    origin = [np.repeat(d.triangle, d.labels.shape[1]) for d in divisions]
-    pieces = np.concatenate([mesh.triangles[loose], *corners])
-    label = np.concatenate([whole[loose], *labels])
-    triangle = np.concatenate([loose, *origin])
+    cut = np.concatenate([d.corners.reshape(-1, 3) for d in divisions])
+    labels = np.concatenate([d.labels.reshape(-1) for d in divisions])
+    origin = np.concatenate([np.repeat(d.triangle, d.labels.shape[1]) for d in divisions])
     # What lies between a vertex and a cut that was made at it has no extent.
-    proper = (pieces != np.roll(pieces, -1, axis=1)).all(axis=1) | (
-        np.arange(len(pieces)) < len(loose)
-    )
-    pieces, label, triangle = pieces[proper], label[proper], triangle[proper]
+    proper = (cut != np.roll(cut, -1, axis=1)).all(axis=1)
+    pieces = np.concatenate([mesh.triangles[loose], cut[proper]])
+    label = np.concatenate([whole[loose], labels[proper]])
+    triangle = np.concatenate([loose, origin[proper]])
 
     source = np.concatenate([untouched, face[triangle]])
     order = np.lexsort((np.concatenate([first[untouched], triangle]), source))
     sizes = np.concatenate([np.diff(mesh.offsets)[untouched], np.full(len(pieces), 3)])
-    corner_rows = np.concatenate(
-        [mesh.corners[ranges(mesh.offsets, untouched)], pieces.reshape(-1)]
-    )
-    triangle_rows = np.concatenate([mesh.triangles[~touched[face]], pieces])
+    corners = np.concatenate([mesh.corners[ranges(mesh.offsets, untouched)], pieces.reshape(-1)])
+    triangles = np.concatenate([mesh.triangles[~touched[face]], pieces])
     return Pieces(
         mesh=PolygonMesh(
             vertices=vertices,
-            corners=corner_rows[ranges(_starts(sizes), order)],
+            corners=corners[ranges(_starts(sizes), order)],
             offsets=_starts(sizes[order]),
-            triangles=triangle_rows[ranges(_starts(sizes - 2), order)],
+            triangles=triangles[ranges(_starts(sizes - 2), order)],
             triangle_polygon=np.repeat(np.arange(len(order)), sizes[order] - 2),
         ),
         labels=np.concatenate([whole[first[untouched]], label])[order],
