@@ -140,7 +140,7 @@ class Net:
         around = np.zeros(self.near.shape, np.bool_)
         around[self.corner, own[:, None]] = True
         closed = self._closed(own)
-        closed |= (around & kept).any(axis=1)[:, None]
+        closed |= (around & kept).any(axis=1, keepdims=True)
 
         near = np.where(closed, np.inf, self.near)
         label: IntArray = np.where(around, near, np.inf).argmin(axis=1)

@@ -2,7 +2,7 @@
 
 A triangle with two labels has two cut edges: the line between the cuts parts one corner from the
 other two. One with three labels has three, and is divided about the *junction*, the point that is
-equally near to the three centres, or about a point in its middle where the junction lies outside.
+equally near to the three centres, or about a point towards it where that lies outside.
 A triangle with one cut, next to where a boundary goes over to mesh edges, is divided from the cut
 to the corner across: it has to share its neighbour's new vertex.
 
@@ -27,6 +27,9 @@ from moseg_core.types import BoolArray, FloatArray, IntArray
 
 #: A cut this near to an end of its edge, in lengths of the edge, is made at the vertex.
 _SNAP = 1e-4
+
+#: How far from the sides to divide a triangle whose junction lies outside; barycentric.
+_ROOM = 0.05
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -170,7 +173,12 @@ def _junctions(net: Net, cut: _Cut, cuts: Cuts) -> FloatArray:
     middle = (2.0 - along + np.roll(along, 1, axis=1)) / 6.0
     corners = net.places[net.corner[cut.triangle]]
     found = net.bisectors.junction(corners, cut.label, middle)
-    return np.where(found.min(axis=1, keepdims=True) > _SNAP, found, middle)
+    # Where it lies outside, as far towards it as there is room.
+    found = np.where(np.isfinite(found).all(axis=1, keepdims=True), found, middle)
+    beyond = found < _ROOM
+    room = np.divide(middle - _ROOM, middle - found, out=np.ones_like(found), where=beyond)
+    towards = middle + room.min(axis=1, keepdims=True) * (found - middle)
+    return np.where(found.min(axis=1, keepdims=True) > _SNAP, found, towards)
 
 
 def _divide_once(cut: _Cut) -> _Division:
