@@ -150,7 +150,7 @@ def divide(net: Net, cuts: Cuts) -> Pieces:
 
     settled = real & (label == label[:, :1]).all(axis=1) & (label[:, 0] >= 0)
     whole = np.where(settled, label[:, 0], own)
-    return _assembled(mesh, vertices, whole, count > 0, divisions)
+    return _assembled(mesh, vertices, whole, divisions)
 
 
 def _nodes(net: Net, cuts: Cuts, fresh: BoolArray) -> IntArray:
@@ -237,7 +237,6 @@ def _assembled(
     mesh: PolygonMesh,
     vertices: FloatArray,
     whole: IntArray,
-    divided: BoolArray,
     divisions: list[_Division],
 ) -> Pieces:
     """Polygons that nothing divides as they were, of others their triangles or pieces of these.
@@ -247,25 +246,28 @@ def _assembled(
     mesh : PolygonMesh
     vertices : (W, 3) float
     whole : (T,) int
-        The label of each triangle that is not divided.
-    divided : (T,) bool
+        The label of each triangle that is not divided; written.
     divisions : list of _Division
     """
+    pieces = np.concatenate([d.corners.reshape(-1, 3) for d in divisions])
+    label = np.concatenate([d.labels.reshape(-1) for d in divisions])
+    triangle = np.concatenate([np.repeat(d.triangle, d.labels.shape[1]) for d in divisions])
+    # What lies between a vertex and a cut that was made at it has no extent.
+    proper = (pieces != np.roll(pieces, -1, axis=1)).all(axis=1)
+    parted = np.bincount(triangle[proper], minlength=len(mesh.triangles)) > 1
+    only = proper & ~parted[triangle]  # all cuts of these were made at corners
+    whole[triangle[only]] = label[only]
+
     face = mesh.triangle_polygon
     first = np.searchsorted(face, np.arange(mesh.n_polygons))
     touched = np.zeros(mesh.n_polygons, np.bool_)
-    touched[face[divided | (whole != whole[first][face])]] = True
+    touched[face[parted | (whole != whole[first][face])]] = True
     untouched = np.flatnonzero(~touched)
-    loose = np.flatnonzero(touched[face] & ~divided)
-
-    cut = np.concatenate([d.corners.reshape(-1, 3) for d in divisions])
-    labels = np.concatenate([d.labels.reshape(-1) for d in divisions])
-    origin = np.concatenate([np.repeat(d.triangle, d.labels.shape[1]) for d in divisions])
-    # What lies between a vertex and a cut that was made at it has no extent.
-    proper = (cut != np.roll(cut, -1, axis=1)).all(axis=1)
-    pieces = np.concatenate([mesh.triangles[loose], cut[proper]])
-    label = np.concatenate([whole[loose], labels[proper]])
-    triangle = np.concatenate([loose, origin[proper]])
+    loose = np.flatnonzero(touched[face] & ~parted)
+    kept = proper & parted[triangle]
+    pieces = np.concatenate([mesh.triangles[loose], pieces[kept]])
+    label = np.concatenate([whole[loose], label[kept]])
+    triangle = np.concatenate([loose, triangle[kept]])
 
     source = np.concatenate([untouched, face[triangle]])
     order = np.lexsort((np.concatenate([first[untouched], triangle]), source))
