@@ -146,6 +146,7 @@ class Bisectors:
                 )
                 step /= determinant[:, None]
                 place -= step
-            # Steps halve their digits' error each time: one that still moves does not converge.
-            place[~(np.abs(step).max(axis=1, initial=0.0) < 1e-9)] = np.nan
+            # A step doubles the digits that are right: what still moves does not converge.
+            still = np.abs(step) < 1e-9 * (1.0 + np.abs(place))
+            place[~(still[:, 0] & still[:, 1])] = np.nan
         return np.column_stack([1.0 - place.sum(axis=1), place])

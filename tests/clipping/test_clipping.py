@@ -11,6 +11,7 @@ import pytest
 import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.spatial import cKDTree
 
 from moseg_core import Centers, Shape, clip_boundaries, load, sample_path
 from moseg_core.builtin.voronoi import Voronoi
@@ -259,8 +260,7 @@ def test_bisectors_that_all_but_touch_vertices(near, seed):
 
 
 def test_three_parts_meet_in_a_point():
-    mesh = PolygonMesh.from_faces([[0, 0, 0], [4, 0, 0], [1, 3, 0]], [[0, 1, 2]])
-    fan = [[0, 0, 0], [4, 0, 0], [1, 3, 0], [2, -3, 0], [4, 4, 0], [-2, 2, 0]]
+    fan = [[0, 0, 0], [4, 0, 0], [1, 3, 0], [3.5, -3, 0], [4, 4, 0], [-2, 2, 0]]
     mesh = PolygonMesh.from_faces(fan, [[0, 1, 2], [1, 0, 3], [2, 1, 4], [0, 2, 5]])
     centers = np.array([[0.0, 0, 0], [4, 0, 0], [1, 3, 0]])
     points = mesh.vertices[mesh.triangles].mean(axis=1)
@@ -288,7 +288,7 @@ def test_faces_without_area_and_with_repeated_corners():
     vertices, faces = shapes.strip(6)
     # A needle along the side y = 1 of the fourth square, and a face that is a line.
     vertices = np.concatenate([vertices, [[3.5, 1.0, 0.0]]])
-    faces = [*faces, (10, 14, 11), (3, 4, 4)]
+    faces = [*faces, (11, 14, 10), (3, 4, 4)]
     shape = Shape.from_mesh(vertices, faces)
     labels = [0, 0, 0, 1, 1, 1, 1, 1]
     centers = np.array([[2.3, 0.5, 0.0], [4.3, 0.5, 0.0]])
@@ -324,8 +324,12 @@ def test_in_an_embedding_cuts_are_made_at_the_same_fraction(seed):
         weights,
         places=space.geometry.vertices,
     )
-    assert (here.labels == there.labels).all()
-    np.testing.assert_allclose(here.mesh.vertices @ bend.T, there.mesh.vertices, atol=1e-12)
+    # New vertices are numbered by the places of their edges, which differ.
+    moved = here.mesh.vertices @ bend.T
+    assert len(moved) == len(there.mesh.vertices)
+    apart, match = cKDTree(there.mesh.vertices).query(moved)
+    assert apart.max() < 1e-12
+    assert len(set(match.tolist())) == len(moved)
     assert_valid(shape.geometry, labels, here)
 
 
