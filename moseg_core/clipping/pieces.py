@@ -112,9 +112,7 @@ class _Division:
 def divide(net: Net, cuts: Cuts) -> Pieces:
     """Divide the faces of a mesh along cuts of its edges."""
     mesh = net.mesh
-    # A triangle with two corners in one place has no inside to divide.
-    real = (net.corner != np.roll(net.corner, -1, axis=1)).all(axis=1)
-    sides = cuts.cut[net.edge] & real[:, None]
+    sides = cuts.cut[net.edge]
     count = sides.sum(axis=1)
     label = cuts.label[net.corner]
     own = net.label[mesh.triangle_polygon]
@@ -148,7 +146,7 @@ def divide(net: Net, cuts: Cuts) -> Pieces:
         _divide_thrice(three, middle),
     ]
 
-    settled = real & (label == label[:, :1]).all(axis=1) & (label[:, 0] >= 0)
+    settled = (label == label[:, :1]).all(axis=1) & (label[:, 0] >= 0)
     whole = np.where(settled, label[:, 0], own)
     return _assembled(mesh, vertices, whole, divisions)
 
@@ -255,7 +253,9 @@ def _assembled(
     # What lies between a vertex and a cut that was made at it has no extent.
     proper = (pieces != np.roll(pieces, -1, axis=1)).all(axis=1)
     parted = np.bincount(triangle[proper], minlength=len(mesh.triangles)) > 1
-    only = proper & ~parted[triangle]  # all cuts of these were made at corners
+    # One piece is all of its triangle: the cuts were made at corners, or two corners are in one
+    # place and there is no inside to divide.
+    only = proper & ~parted[triangle]
     whole[triangle[only]] = label[only]
 
     face = mesh.triangle_polygon
