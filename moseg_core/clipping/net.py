@@ -6,10 +6,10 @@ cut where it crosses the bisector of the two, which it does exactly once if each
 its own centre than to the other end's.
 
 That is not always so, because connected segments are flooded (Algorithm 1): a part may own faces
-that are nearer to another centre, which the other's flood did not reach first. The corners of
-such a face, centroid and corners, are *closed* to the other label: they do not take it, whatever
-the distance. Nor is an edge cut whose ends are not each nearer to their own. There, boundaries
-stay where the flood drew them, on mesh edges.
+that are nearer to another centre, which the other's flood did not reach first. Where such a face
+lies beyond the bisector with all its corners, these are *closed* to the other label: they do not
+take it, whatever the distance. Nor is an edge cut whose ends are not each nearer to their own.
+There, boundaries stay where the flood drew them, on mesh edges.
 
 Everything is about positions and the edges between them, not about vertices and faces. So copies
 of a vertex, and all faces at an edge, however many, see one label and one cut.
@@ -125,7 +125,7 @@ class Net:
         label = self._vertex_labels(kept)
         low, high = self.ends.T
         own, other = label[low], label[high]
-        # Both bisector and difference: negative at the lower end, positive at the upper.
+        # How much nearer to the lower end's centre: negative there, positive at the upper end.
         at_low = self.near[low, own] - self.near[low, other]
         at_high = self.near[high, own] - self.near[high, other]
         cut = (own >= 0) & (other >= 0) & (at_low <= 0.0) & (at_high >= 0.0) & (at_low < at_high)
@@ -149,7 +149,7 @@ class Net:
         return label
 
     def _closed(self, own: IntArray) -> BoolArray:
-        """(P, n) bool: labels that lost a face at a position to the flood, though nearer to it."""
+        """(P, n) bool: labels that a face at a position is nearer to, and lies wholly beyond."""
         at = self.near_face[self.mesh.triangle_polygon]
         rows = np.arange(len(own))
         triangle, other = np.nonzero(at < at[rows, own][:, None] * _CLEARLY)

@@ -13,7 +13,7 @@ from moseg_core.errors import ShapeError, UsageError
 from moseg_core.io.ply import read_ply, read_ply_labels
 from tests.clipping.checks import assert_valid, is_closed, polygon_areas
 
-QUICK = ("--optimizer", "pattern_search(max_evaluations=60)")
+QUICK = ("--seeder", "kmeans", "--optimizer", "pattern_search(max_evaluations=30)")
 
 
 @pytest.fixture(scope="module")
