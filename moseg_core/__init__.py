@@ -48,8 +48,11 @@ _HOMES = {
     "Cost": "cost",
     "Interval": "parameters",
     "objective": "objectives",
+    "constraint": "rules",
     "Batch": "protocols",
     "Centers": "protocols",
+    "Constraint": "protocols",
+    "Embedding": "protocols",
     "Progress": "protocols",
     "Seeding": "protocols",
     "Problem": "problem",
@@ -94,11 +97,14 @@ if TYPE_CHECKING:
     from moseg_core.problem import Problem as Problem
     from moseg_core.protocols import Batch as Batch
     from moseg_core.protocols import Centers as Centers
+    from moseg_core.protocols import Constraint as Constraint
+    from moseg_core.protocols import Embedding as Embedding
     from moseg_core.protocols import Progress as Progress
     from moseg_core.protocols import Seeding as Seeding
     from moseg_core.recipe import Recipe as Recipe
     from moseg_core.recipe import load_recipe as load_recipe
     from moseg_core.result import Result as Result
+    from moseg_core.rules import constraint as constraint
     from moseg_core.samples import sample_labels_path as sample_labels_path
     from moseg_core.samples import sample_path as sample_path
     from moseg_core.segmentation import Segmentation as Segmentation

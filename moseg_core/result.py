@@ -32,13 +32,17 @@ class Result:
     Parameters
     ----------
     shape : Shape
+        As the user gave it.
     problem : Problem
     labels : (F,) int32
         Index into ``problem.labels`` for every input face, in file order.
     evaluation : Evaluation
         Cost by term and part, of these labels.
     centers : Centers
-        One centre per label, in model units.
+        One centre per label, in units of :attr:`partitioned`.
+    dimension : (int, int)
+        How many numbers the search had to find, and how many describe the segmentation; they
+        differ where constraints give some from others.
     history : mapping of str to tuple of dict
         For each stage a record per round or iteration.
     method : mapping of str to str
@@ -64,6 +68,7 @@ class Result:
     seed: int
     versions: Mapping[str, str]
     reason: str
+    dimension: tuple[int, int] = (0, 0)
     warnings: tuple[str, ...] = ()
     clipped: Clipped | None = None
 
@@ -79,6 +84,11 @@ class Result:
     def cost(self) -> float:
         """Value of the aggregate objective."""
         return self.evaluation.cost.value
+
+    @property
+    def partitioned(self) -> Shape:
+        """The shape that the partition is of: `shape`, or what the embedding made of it."""
+        return self.problem.embed(self.shape)
 
     @property
     def surface(self) -> tuple[PolygonMesh, Int32Array | IntArray]:

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from moseg_core.cli.console import console, message, print_json, terms_table
-from moseg_core.cli.request import read_problem
+from moseg_core.cli.request import Asked, read_problem
 from moseg_core.errors import UsageError, unknown
 from moseg_core.io import Labelling, load, read_labels, read_result
 from moseg_core.io.writers import evaluation_document
@@ -20,15 +20,13 @@ from moseg_core.types import IntArray
 def run_explain(
     source: Path,
     *,
-    recipe: str | None,
-    labels: str | None,
-    minimize: str | None,
+    asked: Asked,
     parts: Path | None,
     as_json: bool,
 ) -> None:
     """Explain a saved result, or evaluate a labelling of a shape."""
     if source.suffix.lower() == ".json" and parts is None:
-        if recipe or labels or minimize:
+        if asked.anything:
             raise UsageError(
                 f"'{source}' is a result and brings its own problem; to evaluate its labels under"
                 f" another one, give the mesh and --parts {source}"
@@ -38,7 +36,7 @@ def run_explain(
     else:
         if parts is None:
             raise UsageError(f"'{source}' is a shape: give the labelling to explain with --parts")
-        problem, _ = read_problem(recipe, labels, minimize)
+        problem, _ = read_problem(asked)
         shape = load(source)
         labelling = read_labels(parts, shape.n_elements)
         matched = _match(labelling, problem.labels, parts)

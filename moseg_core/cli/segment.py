@@ -11,14 +11,15 @@ from typing import Any
 import numpy as np
 from rich.table import Table
 
+from moseg_core.choice import Choice
 from moseg_core.cli.console import console, message, print_json, progress_reporter, terms_table
 from moseg_core.cli.interrupt import stop_on_interrupt
-from moseg_core.cli.request import read_pins, read_problem, read_start
+from moseg_core.cli.request import Asked, read_pins, read_problem, read_start
 from moseg_core.clipping import check_parameterization, clip
 from moseg_core.errors import UsageError
 from moseg_core.io.files import check_output, load, save
 from moseg_core.io.writers import evaluation_document
-from moseg_core.method import Choice, read_resolution
+from moseg_core.method import read_resolution
 from moseg_core.pipeline import check_frozen, check_limits, matched_centers, prepare_method, segment
 from moseg_core.result import Result
 from moseg_core.workers import available_workers, read_workers
@@ -27,9 +28,7 @@ from moseg_core.workers import available_workers, read_workers
 def run_segment(
     path: Path,
     *,
-    recipe: str | None,
-    labels: str | None,
-    minimize: str | None,
+    asked: Asked,
     choices: Mapping[str, str | None],
     centers: str | None,
     start: Path | None,
@@ -49,7 +48,7 @@ def run_segment(
 ) -> None:
     """Check everything that can be checked, then read, search, write and print."""
     earlier = read_start(start)
-    problem, method = read_problem(recipe, labels, minimize, start=earlier)
+    problem, method = read_problem(asked, start=earlier)
     chosen = _read_choices(choices, centers)
     ready = prepare_method(problem, method, chosen)
     if clipped:
@@ -71,7 +70,7 @@ def run_segment(
 
     started = time.monotonic()
     shape = load(path)
-    problem.check(shape)
+    problem.check(problem.embed(shape))
     if earlier is not None and earlier.shape.get("fingerprint") != shape.fingerprint:
         message(
             f"warning: {start} is a result of another shape, '{earlier.shape.get('name')}'",
@@ -104,6 +103,9 @@ def run_segment(
         message(_told(result), quiet=quiet)
     for output in outputs:
         save(result, output)
+    free, whole = result.dimension
+    if free < whole:
+        message(f"constraints leave {free} of {whole} dimensions to search", quiet=quiet)
     written = f"; wrote {', '.join(str(output) for output in outputs)}" if outputs else ""
     message(f"{time.monotonic() - started:.1f} s{written}", quiet=quiet)
     if as_json:
@@ -151,6 +153,7 @@ def _summary(result: Result) -> dict[str, Any]:
             }
             for name, part in result.parts.items()
         ],
+        "dimension": {"free": result.dimension[0], "all": result.dimension[1]},
         "seed": result.seed,
         "reason": result.reason,
         "warnings": list(result.warnings),

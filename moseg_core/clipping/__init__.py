@@ -74,7 +74,7 @@ def clip(result: Result, *, space: Shape | None = None) -> Result:
     result : Result
     space : Shape, optional
         The shape, face for face and vertex for vertex, in the space where the partition lives,
-        whose units the centres are in; the result's shape by default.
+        whose units the centres are in; by default :attr:`Result.partitioned`.
 
     Raises
     ------
@@ -94,7 +94,7 @@ def clip(result: Result, *, space: Shape | None = None) -> Result:
     True
     """
     check_parameterization(result.method.get("parameterization", PARAMETERIZATION))
-    space = result.shape if space is None else space
+    space = result.partitioned if space is None else space
     return replace(
         result,
         clipped=clip_boundaries(

@@ -71,7 +71,7 @@ def save(result: Result, path: str | os.PathLike[str], *, source: Registry | Non
     ----------
     result : Result
     path : path-like
-        ``.json``, ``.seg``, ``.ply``, ``.glb``, ``.png``, or what installed bundles add.
+        ``.json``, ``.seg``, ``.ply``, ``.glb``, ``.png``, ``.svg``, or what installed bundles add.
     source : Registry, optional
         Where to look for writers.
 

@@ -15,6 +15,7 @@ from moseg_core.io.encode_ply import encode_ply
 from moseg_core.io.labels import encode_seg
 from moseg_core.io.saved import FORMAT
 from moseg_core.palette import part_colors
+from moseg_core.problem import Problem
 from moseg_core.result import Result
 
 
@@ -29,10 +30,7 @@ def write_json(result: Result) -> bytes:
             "fingerprint": shape.fingerprint,
             "notes": list(shape.notes),
         },
-        "problem": {
-            "labels": list(result.problem.labels),
-            "minimize": str(result.problem.expression),
-        },
+        "problem": _problem_document(result.problem),
         **evaluation_document(result.evaluation),
         "parts": [
             {
@@ -51,6 +49,7 @@ def write_json(result: Result) -> bytes:
             )
         ],
         "method": dict(result.method),
+        "dimension": {"free": result.dimension[0], "all": result.dimension[1]},
         "seed": result.seed,
         "reason": result.reason,
         "warnings": list(result.warnings),
@@ -67,6 +66,21 @@ def write_json(result: Result) -> bytes:
     # One line per entry: readable, and a change of one number is a change of one line.
     lines = [f"{json.dumps(key)}: {_dump(value)}" for key, value in document.items()]
     return ("{\n" + ",\n".join(lines) + "\n}\n").encode()
+
+
+def _problem_document(problem: Problem) -> dict[str, Any]:
+    """Labels and expression; constraints and embedding where there are any."""
+    document: dict[str, Any] = {
+        "labels": list(problem.labels),
+        "minimize": str(problem.expression),
+    }
+    if problem.rules:
+        document["constraints"] = [rule.text for rule in problem.rules]
+    if problem.plane is not None:
+        document["plane"] = problem.plane
+    if problem.embedding is not None:
+        document |= {"embedding": str(problem.embedding), "space": problem.space}
+    return document
 
 
 def evaluation_document(evaluation: Evaluation) -> dict[str, Any]:

@@ -1,8 +1,9 @@
-"""The picture of a result, as a format that results are saved in."""
+"""Pictures of a result, and of how it was found, as formats that results are saved in."""
 
 from __future__ import annotations
 
 from moseg_core.result import Result
+from moseg_core.view.convergence import render_convergence
 from moseg_core.view.picture import render_picture
 
 
@@ -11,3 +12,9 @@ def write_png(result: Result) -> bytes:
     title = f"{result.shape.name}, cost {result.cost:.4g}"
     mesh, labels = result.surface
     return render_picture(mesh, labels, result.problem.labels, title=title)
+
+
+def write_svg(result: Result) -> bytes:
+    """The convergence curves (Fig. 6), with the name and the cost."""
+    title = f"{result.shape.name}, cost {result.cost:.4g}"
+    return render_convergence(result.history, format="svg", title=title)
