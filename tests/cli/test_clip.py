@@ -87,13 +87,19 @@ def test_a_clipped_result_is_the_same_result(found, tmp_path):
     assert (geometry.corners == mesh.corners).all()
 
 
-def test_in_another_space_that_space_is_asked(found):
+def test_in_another_space_that_space_is_asked(found, monkeypatch):
     twice = found.shape.deformed(2 * found.shape.geometry.vertices, space="twice")
     centers = replace(found.centers, positions=2 * found.centers.positions)
     there = clip(replace(found, centers=centers), space=twice)
     here = clip(found)
-    assert (there.clipped.labels == here.clipped.labels).all()
-    np.testing.assert_allclose(there.clipped.mesh.vertices, here.clipped.mesh.vertices, atol=1e-9)
+    monkeypatch.setattr(type(found), "partitioned", property(lambda result: twice))
+    embedded = clip(replace(found, centers=centers))
+    assert len(here.clipped.labels) > found.shape.n_elements
+    for other in (there, embedded):
+        assert (other.clipped.labels == here.clipped.labels).all()
+        np.testing.assert_allclose(
+            other.clipped.mesh.vertices, here.clipped.mesh.vertices, atol=1e-9
+        )
 
 
 def test_results_of_other_parameterizations_are_refused(found):
