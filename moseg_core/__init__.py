@@ -61,6 +61,9 @@ _HOMES = {
     "Evaluation": "aggregate",
     "Evaluator": "evaluation",
     "Result": "result",
+    "Clipped": "clipping",
+    "clip": "clipping",
+    "clip_boundaries": "clipping",
     "segment": "pipeline",
     "load": "io",
     "save": "io",
@@ -72,6 +75,9 @@ __all__ = ["__version__", *_HOMES]
 
 if TYPE_CHECKING:
     from moseg_core.aggregate import Evaluation as Evaluation
+    from moseg_core.clipping import Clipped as Clipped
+    from moseg_core.clipping import clip as clip
+    from moseg_core.clipping import clip_boundaries as clip_boundaries
     from moseg_core.coarse import coarsen as coarsen
     from moseg_core.cost import Cost as Cost
     from moseg_core.errors import ExpressionError as ExpressionError

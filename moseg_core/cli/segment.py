@@ -8,12 +8,14 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from rich.table import Table
 
 from moseg_core.choice import Choice
 from moseg_core.cli.console import console, message, print_json, progress_reporter, terms_table
 from moseg_core.cli.interrupt import stop_on_interrupt
 from moseg_core.cli.request import Asked, read_pins, read_problem, read_start
+from moseg_core.clipping import check_parameterization, clip
 from moseg_core.errors import UsageError
 from moseg_core.io.files import check_output, load, save
 from moseg_core.io.writers import evaluation_document
@@ -39,6 +41,7 @@ def run_segment(
     seed: int,
     max_seconds: float | None,
     workers: int | None,
+    clipped: bool,
     outputs: list[Path],
     as_json: bool,
     quiet: bool,
@@ -47,7 +50,9 @@ def run_segment(
     earlier = read_start(start)
     problem, method = read_problem(asked, start=earlier)
     chosen = _read_choices(choices, centers)
-    prepare_method(problem, method, chosen)
+    ready = prepare_method(problem, method, chosen)
+    if clipped:
+        check_parameterization(ready["parameterization"].component.id)
     if resolution is not None:
         read_resolution(resolution)
     begin = matched_centers(earlier.names, earlier.centers, problem) if earlier else None
@@ -93,6 +98,9 @@ def run_segment(
         )
     for warning in result.warnings:
         message(f"warning: {warning}", quiet=quiet)
+    if clipped:
+        result = clip(result)
+        message(_told(result), quiet=quiet)
     for output in outputs:
         save(result, output)
     free, whole = result.dimension
@@ -122,6 +130,14 @@ def _read_choices(choices: Mapping[str, str | None], centers: str | None) -> dic
             )
         chosen["seeder"] = Choice("given", {"centers": centers})
     return chosen
+
+
+def _told(result: Result) -> str:
+    """How much was clipped."""
+    assert result.clipped is not None  # clipped results only
+    pieces = np.bincount(result.clipped.source, minlength=result.shape.n_elements)
+    cut = pieces > 1
+    return f"clipped {cut.sum()} faces into {pieces[cut].sum()}"
 
 
 def _summary(result: Result) -> dict[str, Any]:
