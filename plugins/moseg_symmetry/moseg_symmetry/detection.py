@@ -31,15 +31,17 @@ FloatArray = npt.NDArray[np.float64]
 NEAR = 0.01
 
 #: Share of the area that a plane of symmetry maps onto the surface.
-ENOUGH = 0.7
+ENOUGH = 0.67
 
 _NORMALS = 1000
 _OFFSETS = np.linspace(-0.12, 0.12, 11)
-_COARSE_POINTS, _FEW_POINTS, _MANY_POINTS = 300, 800, 4000
+_COARSE_POINTS, _FEW_POINTS, _MANY_POINTS = 300, 600, 4000
 _COARSE_SIGMA = 0.03
 _CANDIDATES = 16
 _FINALISTS = 12
 _PROMISING = 0.35
+_FIRST = ((0.04, 8), (SIGMA, 8))
+_ROUGHLY = 1e-2
 _APART = np.sin(np.radians(12.0))
 _SAME = 0.04
 
@@ -120,9 +122,10 @@ def require_plane(shape: Shape) -> PlaneSymmetry:
         return holding[0]
     best = max(found, key=lambda symmetry: symmetry.share)
     raise ShapeError(
-        f"'{shape.name}' has no plane of symmetry: the best one maps only {best.share:.0%} of the"
-        f" surface onto itself within {NEAR:.0%} of its size, and {ENOUGH:.0%} are asked for"
-        f" (residual {best.residual:.2%}, plane {best.plane}); a plane can also be given"
+        f"'{shape.name}' has no plane of symmetry: the best one maps only {100 * best.share:.0f} %"
+        f" of the surface onto itself within {100 * NEAR:.0f} % of its size, and"
+        f" {100 * ENOUGH:.0f} % are asked for (residual {100 * best.residual:.2f} %,"
+        f" plane {best.plane}); a plane can also be given"
     )
 
 
@@ -148,15 +151,13 @@ def reflections(surface: Surface) -> list[Reflection]:
     """The best reflections of a surface, in the order of their residuals."""
     few, many = surface.samples(_FEW_POINTS), surface.samples(_MANY_POINTS)
     improved = [
-        refined(surface, start, few, schedule=[(0.04, 8), (SIGMA, 8)])
+        refined(surface, start, few, schedule=_FIRST, worth=_ROUGHLY)
         for start in _candidates(surface)
     ]
     losses, different = _different(surface, improved, few)
     # Two at least, so that the best can be named where none is good.
     count = min(max(2, int((losses < _PROMISING).sum())), _FINALISTS)
-    ended = [
-        refined(surface, motion, many, schedule=[(SIGMA, 12)]) for motion in different[:count]
-    ]
+    ended = [refined(surface, motion, many, schedule=[(SIGMA, 12)]) for motion in different[:count]]
     return _different(surface, ended, many)[1]
 
 
