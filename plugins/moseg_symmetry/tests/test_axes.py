@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import trimesh
 from moseg_symmetry.axes import detect_axes
+from moseg_symmetry.detection import detect_planes, require_plane
 from scipy.spatial.transform import Rotation
 
 
@@ -43,9 +44,11 @@ def test_propeller_turns_but_has_no_mirror(make):
     for k in range(3):
         blade = trimesh.creation.box(extents=(0.05, 0.6, 2.0))
         blade = make.moved(blade, turn=Rotation.from_rotvec([0, 0, 0.6]), shift=[0, 0, 1.3])
-        turn = Rotation.from_rotvec([0, 2 * np.pi * k / 3, 0])
-        blades.append(make.moved(blade, turn=turn * Rotation.from_rotvec([0, 0, 0]), shift=0))
+        blades.append(
+            make.moved(blade, turn=Rotation.from_rotvec([0, 2 * np.pi * k / 3, 0]), shift=0)
+        )
     shape = make.shape(make.moved(trimesh.util.concatenate(blades)))
+    assert not any(plane.holds for plane in detect_planes(shape))
     best = detect_axes(shape)[0]
     assert best.fold == 3
     assert make.angle_between(best.direction, make.GENERIC.apply([0, 1, 0])) < 1e-5
@@ -81,5 +84,9 @@ def test_cube(make):
 
 def test_none(make):
     assert detect_axes(make.shape(make.blob())) == []
-    # The mirror image of a half is no turned half.
-    assert detect_axes(make.shape(make.stool())) == []
+    # A plane, but no axis: a pyramid over a triangle with two equal sides.
+    wedge = trimesh.creation.cone(radius=1, height=2, sections=3)
+    vertices = wedge.vertices * [1.0, 0.5, 1.5] + np.outer(wedge.vertices[:, 2], [0.5, 0, 0])
+    shape = make.shape(trimesh.Trimesh(vertices, wedge.faces, process=False))
+    assert detect_axes(shape) == []
+    assert require_plane(shape).residual < 1e-9

@@ -122,9 +122,9 @@ def test_moves_with_the_shape(make):
     still = require_plane(make.shape(mesh))
     for turn in (make.GENERIC, Rotation.from_rotvec([2.0, 1.0, -0.3])):
         moved = require_plane(make.shape(make.moved(mesh, turn=turn, scale=50.0)))
-        assert make.angle_between(moved.plane.normal, turn.apply(still.plane.normal)) < 1e-5
+        assert make.angle_between(moved.plane.normal, turn.apply(still.plane.normal)) < 3e-4
         point = turn.apply(still.plane.point) * 50.0 + make.SHIFT
-        assert abs(moved.plane.heights(point)) < 1e-4 * 50.0
+        assert abs(moved.plane.heights(point)) < 3e-4 * 50.0
         assert moved.residual == pytest.approx(still.residual, rel=1e-3)
         assert moved.share == pytest.approx(still.share, abs=1e-3)
 
