@@ -41,9 +41,11 @@ _CANDIDATES = 16
 _FINALISTS = 12
 _PROMISING = 0.35
 _FIRST = ((0.04, 8), (SIGMA, 8))
-_ROUGHLY = 1e-2
+_ROUGHLY = 5e-3
+_FINISHED = 4
 _APART = np.sin(np.radians(12.0))
 _SAME = 0.04
+_AS_GOOD = 2e-4
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -132,13 +134,13 @@ def require_plane(shape: Shape) -> PlaneSymmetry:
 def preferred(found: Sequence[PlaneSymmetry]) -> PlaneSymmetry:
     """The one that ``auto`` means: the least residual; of those as good, the halves furthest apart.
 
-    Residuals are as good if they differ by no more than a thousandth of the size. Then the plane
+    Residuals are as good if they differ by no more than 0.02 % of the size. Then the plane
     from which the surface spreads furthest is taken, which cuts a long table across; and of planes
     alike in this too (a cube's) the one whose normal is nearest to the x axis of the file, or to
     the y axis.
     """
     least = min(symmetry.residual for symmetry in found)
-    left = [symmetry for symmetry in found if symmetry.residual <= least + 1e-3]
+    left = [symmetry for symmetry in found if symmetry.residual <= least + _AS_GOOD]
     widest = max(symmetry.spread for symmetry in left)
     left = [symmetry for symmetry in left if symmetry.spread >= 0.995 * widest]
     for axis in range(3):
@@ -155,8 +157,8 @@ def reflections(surface: Surface) -> list[Reflection]:
         for start in _candidates(surface)
     ]
     losses, different = _different(surface, improved, few)
-    # Two at least, so that the best can be named where none is good.
-    count = min(max(2, int((losses < _PROMISING).sum())), _FINALISTS)
+    # Some at least, so that the best can be named where none is good.
+    count = min(max(_FINISHED, int((losses < _PROMISING).sum())), _FINALISTS)
     ended = [refined(surface, motion, many, schedule=[(SIGMA, 12)]) for motion in different[:count]]
     return _different(surface, ended, many)[1]
 

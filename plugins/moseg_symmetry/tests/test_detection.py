@@ -174,7 +174,7 @@ def test_share_and_residual_by_hand(make):
 
 
 def test_preference():
-    def candidate(normal, residual=0.001, spread=0.2):
+    def candidate(normal, residual=0.0001, spread=0.2):
         plane = Plane.through([0, 0, 0], normal)
         return PlaneSymmetry(plane=plane, residual=residual, share=1.0, spread=spread)
 
@@ -184,7 +184,7 @@ def test_preference():
     wide = candidate([0, 0, 1], spread=0.21)
     assert preferred([x, wide, y]) is wide
     good = candidate([0, 1, 1], residual=0.0, spread=0.1)
-    assert preferred([x, good]) is x  # no more than a thousandth better
+    assert preferred([x, good]) is x  # hardly better
     poor = candidate([1, 0, 0], residual=0.003, spread=0.4)
     assert preferred([poor, good, y]) is y
 
