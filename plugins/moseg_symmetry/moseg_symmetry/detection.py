@@ -30,7 +30,7 @@ FloatArray = npt.NDArray[np.float64]
 #: A point is mapped onto the surface if its image is within this of it, in sizes.
 NEAR = 0.01
 
-#: Share of the area that a plane of symmetry maps onto the surface.
+#: Share of the area that a plane of symmetry maps onto the surface (docs/symmetry.md has why).
 ENOUGH = 0.67
 
 _NORMALS = 1000
