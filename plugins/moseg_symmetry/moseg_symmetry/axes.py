@@ -21,6 +21,7 @@ import numpy.typing as npt
 from moseg_core import Shape
 from moseg_symmetry.detection import ENOUGH, NEAR, half_sphere
 from moseg_symmetry.motions import Turns
+from moseg_symmetry.planes import tidy
 from moseg_symmetry.refine import SIGMA, loss, refined
 from moseg_symmetry.surface import DistanceGrid, Surface, surface_of
 
@@ -173,8 +174,8 @@ def _judged(surface: Surface, motion: Turns, fold: int | None, points: FloatArra
     sign = np.sign(direction[np.argmax(np.abs(direction))])
     foot = whole.point - (whole.point @ direction) * direction
     return AxisSymmetry(
-        point=surface.center + surface.size * foot,
-        direction=sign * direction + 0.0,
+        point=tidy(surface.center + surface.size * foot, surface.size),
+        direction=tidy(sign * direction, 1.0),
         fold=fold,
         residual=SIGMA * float(np.sqrt(loss(distances, SIGMA))),
         share=float((distances <= NEAR).mean()),

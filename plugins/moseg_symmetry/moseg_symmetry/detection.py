@@ -21,7 +21,7 @@ import numpy.typing as npt
 
 from moseg_core import Shape, ShapeError
 from moseg_symmetry.motions import Reflection
-from moseg_symmetry.planes import Plane
+from moseg_symmetry.planes import Plane, tidy
 from moseg_symmetry.refine import SIGMA, loss, refined
 from moseg_symmetry.surface import DistanceGrid, Surface, surface_of
 
@@ -211,7 +211,9 @@ def _judged(surface: Surface, motion: Reflection) -> PlaneSymmetry:
     distances = surface.distances(motion.images(points)[0])
     plane = motion.plane
     return PlaneSymmetry(
-        plane=Plane.through(surface.center + surface.size * plane.point, plane.normal),
+        plane=Plane.through(
+            tidy(surface.center + surface.size * plane.point, surface.size), tidy(plane.normal, 1.0)
+        ),
         residual=SIGMA * float(np.sqrt(loss(distances, SIGMA))),
         share=float((distances <= NEAR).mean()),
         spread=float(np.sqrt((plane.heights(points) ** 2).mean())),
