@@ -10,8 +10,8 @@ The weights ``w_ij = d_ij^-q`` say what counts: with ``q = 0`` absolute errors, 
 distances rule and thin limbs shrink to lines; with ``q = 2`` relative errors, so that limbs keep
 their thickness, and long distances are hardly worse for it.
 
-:func:`majorize` moves landmarks. :func:`place` moves other points among landmarks that stay, each by
-itself: then ``V`` is a number. All points take equally many steps, so that what was connected
+:func:`majorize` moves landmarks. :func:`place` moves other points among landmarks that stay, each
+by itself: then ``V`` is a number. All points take equally many steps, so that what was connected
 stays so.
 """
 
@@ -57,7 +57,7 @@ def stress_weights(distances: FloatArray, exponent: float) -> FloatArray:
 
 
 def stress(distances: FloatArray, places: FloatArray, weights: FloatArray) -> float:
-    """``sum w_ij (|x_i - x_j| - d_ij)^2`` over all ordered pairs, the square of `distances`' unit."""
+    """``sum w_ij (|x_i - x_j| - d_ij)^2`` over all ordered pairs; 0 is best."""
     off = _pairwise(places) - distances
     return float((weights * off**2).sum())
 
