@@ -63,19 +63,23 @@ def cube(cuts: int) -> Mesh:
     return np.array(mesh.vertices), np.array(mesh.faces, np.int64)
 
 
-def worm(bend: Callable[[np.ndarray], np.ndarray], sections: int = 12, rings: int = 60) -> Mesh:
-    """A closed tube of length 1 around a plane curve with the direction ``bend(t)``, t in 0..1."""
+def worm(bend: Callable[[np.ndarray], np.ndarray], thickness: float = 0.006) -> Mesh:
+    """A closed tube of length 1 around a plane curve with the direction ``bend(t)``, t in 0..1.
+
+    Its skin is stretched and squeezed where it is bent, by the curvature times its thickness.
+    """
+    sections, rings = 8, 40
     t = np.linspace(0, 1, rings)
     direction = bend(t)
     tangent = np.stack([np.cos(direction), np.sin(direction), 0 * t], axis=1)
     steps = (tangent[1:] + tangent[:-1]) / 2 * np.diff(t)[:, None]
     middle = np.concatenate([np.zeros((1, 3)), np.cumsum(steps, axis=0)])
     normal = np.stack([-np.sin(direction), np.cos(direction), 0 * t], axis=1)
-    radius = 0.03 * np.sqrt(np.clip(1 - (2 * t - 1) ** 8, 0.05, None)) * (1.2 - 0.6 * t)
+    radius = thickness * np.sqrt(np.clip(1 - (2 * t - 1) ** 8, 0.05, None)) * (1.2 - 0.6 * t)
     angle = 2 * np.pi * np.arange(sections) / sections
     side = np.cos(angle)[None, :, None] * normal[:, None] + np.sin(angle)[None, :, None] * [0, 0, 1]
     tube = (middle[:, None] + radius[:, None, None] * side).reshape(-1, 3)
-    ends = middle[[0, -1]] + tangent[[0, -1]] * [[-0.01], [0.01]]
+    ends = middle[[0, -1]] + tangent[[0, -1]] * thickness * [[-0.3], [0.3]]
     row, column = np.divmod(grid(sections + 1, rings), sections + 1)
     faces = (row * sections + column % sections)[:, ::-1]
     k = np.arange(sections)
@@ -94,14 +98,14 @@ def soup(mesh: Mesh) -> Mesh:
     return vertices[faces].reshape(-1, 3), np.arange(faces.size).reshape(-1, 3)
 
 
-def blob(seed: int) -> Mesh:
+def blob(seed: int, rounds: int = 3) -> Mesh:
     """A closed surface without symmetry: an ellipsoid, bent and dented."""
     rng = np.random.default_rng(seed)
-    vertices, faces = ball(3)
+    vertices, faces = ball(rounds)
     vertices = vertices * [1.0, 0.6, 0.4]
     for _ in range(3):
         frequency, phase, push = rng.normal(size=(3, 3))
-        vertices = vertices + 0.08 * np.sin(3 * vertices @ frequency + phase[0])[:, None] * push
+        vertices = vertices + 0.05 * np.sin(3 * vertices @ frequency + phase[0])[:, None] * push
     return vertices, faces
 
 

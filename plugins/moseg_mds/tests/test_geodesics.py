@@ -62,7 +62,9 @@ def test_across_a_cube(make, method, tolerance):
 
 @pytest.mark.parametrize("seed", [0, 1])
 def test_methods_agree(make, seed):
-    mesh = make.blob(seed)
+    vertices, faces = make.ball(3)
+    bend = 1 + 0.1 * np.sin(5 * vertices @ np.random.default_rng(seed).normal(size=3))
+    mesh = vertices * [1.0, 0.8, 0.6] * bend[:, None], faces
     exact, heat, graph = (geodesic_distances(*mesh, [3, 200], method=m) for m in ALL)
     far = exact > 0.2 * exact.max()
     excess = graph[far] / exact[far] - 1
@@ -82,7 +84,7 @@ def test_distances_are_a_metric_not_below_those_in_space(make, method):
 
 @pytest.mark.parametrize("method", ALL)
 def test_distances_scale(make, method):
-    vertices, faces = make.blob(1)
+    vertices, faces = make.ball(3)
     once = geodesic_distances(vertices, faces, [5], method=method)
     np.testing.assert_allclose(
         geodesic_distances(1e4 * vertices, faces, [5], method=method), 1e4 * once, rtol=1e-6
@@ -140,6 +142,16 @@ def test_there_may_be_no_way(make):
     found = geodesic_distances(both, two, [0])[0]
     assert np.isfinite(found[: len(vertices)]).all()
     assert np.isinf(found[len(vertices) :]).all()
+    for method in ("exact", "heat"):
+        with pytest.raises(ShapeError, match="does not reach every vertex"):
+            geodesic_distances(both, two, [0], method=method)
+
+
+@pytest.mark.parametrize("method", ["auto", "graph"])
+def test_the_way_may_lead_through_a_single_vertex(method):
+    bow = np.array([[0, 0, 0], [1, 1, 0], [1, -1, 0], [-1, 1, 0], [-1, -1, 0.0]])
+    found = geodesic_distances(bow, [[0, 1, 2], [0, 3, 4]], [1], method=method)[0]
+    np.testing.assert_allclose(found, np.sqrt([2, 0, 4, 8, 8]))
 
 
 def test_other_methods_are_refused(make):

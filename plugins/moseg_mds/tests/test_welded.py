@@ -44,7 +44,7 @@ def test_several_pieces_are_refused_with_their_number(make):
     shift = [[0, 0, 0], [3, 0, 0], [6, 0, 0]]
     many = np.concatenate([vertices + s for s in np.array(shift)])
     triples = np.concatenate([faces + k * len(vertices) for k in range(3)])
-    with pytest.raises(ShapeError, match="in 3 pieces .* 80 of 240 .* join them") as found:
+    with pytest.raises(ShapeError, match=r"in 3 pieces .* 80 of 240 .* join them") as found:
         Surface.of(Shape.from_mesh(many, triples, name="balls"))
     assert found.value.exit_code == 3
     assert str(found.value).startswith("'balls' cannot be embedded")
