@@ -16,8 +16,8 @@ from moseg_core import Problem, Shape, ShapeError, UsageError
 from moseg_core.protocols import Embedding
 
 
-def places(shape, **parameters):
-    return MDS(**parameters)(shape).geometry.vertices
+def places(shape, *, landmarks=60, **parameters):
+    return MDS(landmarks=landmarks, **parameters)(shape).geometry.vertices
 
 
 def signed_volume(vertices, faces):
@@ -33,7 +33,7 @@ def ratio(first, second):
 
 def test_it_is_an_embedding(make):
     shape = make.shape(make.blob(0))
-    found = MDS()(shape)
+    found = MDS(landmarks=60)(shape)
     assert isinstance(MDS(), Embedding)
     assert found.space == "mds"
     assert found.frame.scale == pytest.approx(1, abs=1e-12)
@@ -42,7 +42,7 @@ def test_it_is_an_embedding(make):
     assert found.adjacency is shape.adjacency
 
 
-@pytest.mark.parametrize("landmarks", [40, 300])
+@pytest.mark.parametrize("landmarks", [40, 120])
 @pytest.mark.parametrize("radius", [3.0, 0.7])
 def test_a_bent_strip_becomes_flat_again(make, landmarks, radius):
     """Almost closed to a ring of 4 by 1, at a radius of 0.7."""
@@ -70,7 +70,9 @@ def test_without_refinement_it_is_landmark_scaling(make):
 
 def test_refinement_lowers_the_stress(make):
     shape = make.shape(make.blob(2, 2))
-    stresses = [MDS(refine=steps, exponent=0.0).embed(shape).stress for steps in (0, 300)]
+    stresses = [
+        MDS(landmarks=60, refine=steps, exponent=0.0).embed(shape).stress for steps in (0, 300)
+    ]
     assert stresses[1] < 0.9 * stresses[0]
 
 
@@ -96,7 +98,7 @@ def test_the_outside_stays_outside(make, bend):
     vertices, faces = make.worm(bend, 0.02)
     for mesh in ((vertices, faces), (vertices, faces[:, ::-1])):
         shape = make.shape(mesh)
-        found = MDS()(shape)
+        found = MDS(landmarks=60)(shape)
         before, after = (signed_volume(v, mesh[1]) for v in (vertices, found.geometry.vertices))
         assert before * after > 0
         assert found.volume == pytest.approx(abs(after), rel=1e-9)
@@ -106,7 +108,7 @@ def test_the_outside_stays_outside(make, bend):
         assert true < found.volume < 2 * true
 
 
-@pytest.mark.parametrize("landmarks", [60, 200])
+@pytest.mark.parametrize("landmarks", [60, 162])
 def test_motions_and_units_do_not_matter(make, landmarks):
     vertices, faces = make.blob(3, 2)
     reference = make.apart(places(make.shape((vertices, faces)), landmarks=landmarks))
@@ -121,7 +123,7 @@ def test_it_lies_as_the_original_does(make):
     turn = Rotation.from_rotvec([0.4, -1.0, 2.0])
     found = places(make.shape((vertices, faces)))
     turned = places(make.shape((turn.apply(vertices), faces)))
-    centred = turn.apply(found)
+    centred = turn.apply(found.copy())
     # The box of the turned shape has another centre and diagonal.
     centred = (centred - centred.mean(axis=0)) / np.linalg.norm(centred.std(axis=0))
     turned = (turned - turned.mean(axis=0)) / np.linalg.norm(turned.std(axis=0))
@@ -208,7 +210,7 @@ def test_polygons_are_embedded_as_they_are():
 )
 def test_the_least_shapes(mesh):
     shape = Shape.from_mesh(*mesh)
-    found = MDS()(shape)
+    found = MDS(landmarks=60)(shape)
     assert found.frame.scale == pytest.approx(1, abs=1e-12)
     assert np.isfinite(found.geometry.vertices).all()
 
@@ -217,7 +219,7 @@ def test_an_embedded_shape_has_a_cost(make):
     shape = make.shape(make.worm(curled))
     labels = (shape.points @ np.ones(3) > np.median(shape.points @ np.ones(3))).astype(int)
     problem = Problem(["a", "b"], "narrow(a) + narrow(b)")
-    assert problem.evaluate(MDS()(shape), labels).cost.value > 0
+    assert problem.evaluate(MDS(landmarks=60)(shape), labels).cost.value > 0
 
 
 def test_several_pieces_are_refused(make):
