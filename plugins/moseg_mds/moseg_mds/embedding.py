@@ -155,7 +155,9 @@ class MDS:
         """
         surface = Surface.of(shape)
         solver = distance_solver(surface.vertices, surface.triangles, self.geodesics)
-        landmarks, table = farthest_points(solver.distances, self.landmarks)
+        # The order of vertices changes when a shape is turned; which one is far out does not.
+        out = np.linalg.norm(surface.vertices - surface.vertices.mean(axis=0), axis=1)
+        landmarks, table = farthest_points(solver.distances, self.landmarks, near=int(out.argmax()))
         if self.refine:
             places = self._refined(surface, landmarks, table)
         else:

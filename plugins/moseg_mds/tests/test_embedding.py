@@ -127,7 +127,7 @@ def test_it_lies_as_the_original_does(make):
     # The box of the turned shape has another centre and diagonal.
     centred = (centred - centred.mean(axis=0)) / np.linalg.norm(centred.std(axis=0))
     turned = (turned - turned.mean(axis=0)) / np.linalg.norm(turned.std(axis=0))
-    np.testing.assert_allclose(centred, turned, atol=0.02)
+    np.testing.assert_allclose(centred, turned, atol=1e-6)
 
 
 def test_repeated_vertices_do_not_matter(make):
