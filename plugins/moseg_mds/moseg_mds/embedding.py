@@ -46,7 +46,7 @@ _BETTER = 0.98
 
 #: Steps for the vertices between the landmarks: more of them lower the stress by nothing that
 #: shows, and crumple thin limbs.
-_STEPS = 4
+_STEPS = 8
 
 _LANDMARKS = Interval(4, 2000)
 _STEPS_ALLOWED = Interval(0, 100_000)
