@@ -106,7 +106,7 @@ def majorize(
     w = off_diagonal if weights is None else weights * off_diagonal
     # V is singular along shifts of all points; adding 1/k there makes it regular.
     shift = np.full_like(w, 1.0 / len(w))
-    inverse = np.linalg.inv(np.diag(w.sum(axis=1)) - w + shift) - shift
+    inverse = _inverse(np.diag(w.sum(axis=1)) - w + shift) - shift
     target = w * distances
 
     def measured(places: FloatArray) -> tuple[FloatArray, float]:
@@ -197,3 +197,19 @@ def _pairwise(places: FloatArray) -> FloatArray:
     for axis in places.T:
         squared += (axis[:, None] - axis) ** 2
     return np.asarray(np.sqrt(squared))
+
+
+def _inverse(matrix: FloatArray) -> FloatArray:
+    """Inverse of a positive definite matrix, by Gauss and Jordan.
+
+    LAPACK's last digits depend on the number of threads, and steps of majorisation enlarge them.
+    """
+    rest = matrix.copy()
+    for k in range(len(rest)):
+        row = rest[k] / rest[k, k]
+        column = rest[:, k].copy()
+        rest -= column[:, None] * row
+        rest[:, k] = -column / column[k]
+        rest[k] = row
+        rest[k, k] = 1.0 / column[k]
+    return rest

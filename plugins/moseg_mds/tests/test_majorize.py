@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from moseg_mds.majorize import majorize, place, stress, stress_weights
+from moseg_mds.majorize import _inverse, majorize, place, stress, stress_weights
 
 seeds = st.integers(0, 2**32 - 1)
 exponents = st.sampled_from([0.0, 1.0, 2.0])
@@ -110,3 +110,11 @@ def test_weights():
     )
     assert stress_weights(np.zeros((2, 2)), 2.0).tolist() == [[1, 1], [1, 1]]
     assert stress_weights(np.array([[0.2, 4.0]]), 0.0).tolist() == [[1, 1]]
+
+
+@given(seed=seeds, n=st.integers(1, 30))
+@settings(max_examples=20, deadline=None)
+def test_the_inverse_is_one(seed, n):
+    root = np.random.default_rng(seed).normal(size=(n, n))
+    matrix = np.einsum("ij,kj->ik", root, root) + np.eye(n)
+    np.testing.assert_allclose(matrix @ _inverse(matrix), np.eye(n), atol=1e-9)
