@@ -63,6 +63,9 @@ _HOMES = {
     "Evaluation": "aggregate",
     "Evaluator": "evaluation",
     "Result": "result",
+    "Clipped": "clipping",
+    "clip": "clipping",
+    "clip_boundaries": "clipping",
     "segment": "pipeline",
     "segment_hierarchy": "nested",
     "refine": "nested",
@@ -77,6 +80,9 @@ __all__ = ["__version__", *_HOMES]
 if TYPE_CHECKING:
     from moseg_core.aggregate import Evaluation as Evaluation
     from moseg_core.capped import capped_volume as capped_volume
+    from moseg_core.clipping import Clipped as Clipped
+    from moseg_core.clipping import clip as clip
+    from moseg_core.clipping import clip_boundaries as clip_boundaries
     from moseg_core.coarse import coarsen as coarsen
     from moseg_core.cost import Cost as Cost
     from moseg_core.errors import ExpressionError as ExpressionError

@@ -188,6 +188,8 @@ class Constraints:
         Those with numbers of their own are only moved as far as they must; those that follow come
         after them, wherever they were.
         """
+        if not self.active:
+            return vector
         centers = self._rows(vector)
         for rule, member in self._members:
             free = member.reduce(centers)[0] if len(member.lower) else np.empty(0)

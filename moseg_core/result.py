@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from types import MappingProxyType
+from typing import TYPE_CHECKING
 
 from moseg_core.aggregate import Evaluation
 from moseg_core.hierarchy import Hierarchy
@@ -15,7 +16,11 @@ from moseg_core.problem import Problem
 from moseg_core.protocols import Centers
 from moseg_core.segmentation import Segmentation
 from moseg_core.shape import Shape
-from moseg_core.types import Int32Array, frozen
+from moseg_core.types import Int32Array, IntArray, frozen
+
+if TYPE_CHECKING:
+    from moseg_core.clipping import Clipped
+    from moseg_core.mesh import PolygonMesh
 
 #: Below this share of the area a part is worth a warning.
 _SLIVER = 0.005
@@ -52,6 +57,9 @@ class Result:
     reason : str
         Why the search ended: "converged", or the limit that it met.
     warnings : tuple of str
+    clipped : Clipped or None
+        The surface with its boundaries cut below mesh resolution
+        (:func:`moseg_core.clipping.clip`).
     levels : mapping of str to Result
         For a hierarchy the result of each level by its path, "" for the whole; else empty.
     """
@@ -68,6 +76,7 @@ class Result:
     reason: str
     dimension: tuple[int, int] = (0, 0)
     warnings: tuple[str, ...] = ()
+    clipped: Clipped | None = None
     levels: Mapping[str, Result] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -87,6 +96,13 @@ class Result:
     def partitioned(self) -> Shape:
         """The shape that the partition is of: `shape`, or what the embedding made of it."""
         return self.problem.embed(self.shape)
+
+    @property
+    def surface(self) -> tuple[PolygonMesh, Int32Array | IntArray]:
+        """What to show: a mesh and a label for each of its polygons, clipped where it was."""
+        if self.clipped is None:
+            return self.shape.geometry, self.labels
+        return self.clipped.mesh, self.clipped.labels
 
     @cached_property
     def segmentation(self) -> Segmentation:

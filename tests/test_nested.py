@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from moseg_core.clipping import clip
 from moseg_core.errors import UsageError
 from moseg_core.hierarchy import Hierarchy
 from moseg_core.io import load, read_labels, read_result, save
@@ -233,6 +234,12 @@ def test_a_hierarchical_result_is_no_start(result):
     assert again.cost <= result.levels[""].cost
     with pytest.raises(UsageError, match="give a Hierarchy to segment_hierarchy"):
         segment(SHAPE, TASK)
+
+
+def test_levels_are_clipped_one_by_one(result):
+    with pytest.raises(UsageError, match="results of one level only"):
+        clip(result)
+    assert clip(result.levels["rest"]).clipped is not None
 
 
 def test_reports_tell_the_level_and_stop_it():

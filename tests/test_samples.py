@@ -275,10 +275,10 @@ def arms_of_octopus() -> list[npt.NDArray[np.float64]]:
 
 
 def test_octopus_arms_keep_apart() -> None:
+    # They are 24 thick, and 10 thick at the tips; nearest are the roots, side by side.
     arms = arms_of_octopus()
     for i, arm in enumerate(arms):
         for other in arms[:i]:
-            # Edges are up to 10 long: nowhere are two surfaces nearer than this less half of that.
             assert cKDTree(arm).query(other)[0].min() > 10.0
 
 

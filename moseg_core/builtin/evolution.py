@@ -173,7 +173,7 @@ class _Genome:
         positions = np.repeat(shape.frame.center[None], partition.n_parts, axis=0)
         positions[self.leaders] = shape.points[person]
         vector = partition.encode(Centers(positions=positions, weights=np.ones(len(positions))))
-        return evaluator.constraints.led(vector) if evaluator.constraints.active else vector
+        return evaluator.constraints.led(vector)
 
     def centers(self, evaluator: Evaluator, person: IntArray) -> FloatArray:
         """(n, 3) float, model units: centres of all labels."""

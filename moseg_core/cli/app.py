@@ -64,6 +64,7 @@ def segment(
     seed: int = 0,
     max_seconds: float | None = None,
     workers: int | None = None,
+    clip: Flag = False,
     out: Outputs = None,
     json: Flag = False,
     quiet: Flag = False,
@@ -124,6 +125,8 @@ def segment(
         End the search after about this time; the result then depends on the machine.
     workers
         Number of processes; as many as there are processors by default. The result is the same.
+    clip
+        Cut the faces at boundaries, so that these are smooth, in .ply, .glb and .png.
     json
         Print a summary as JSON instead of tables.
     quiet
@@ -155,6 +158,7 @@ def segment(
         seed=seed,
         max_seconds=max_seconds,
         workers=workers,
+        clipped=clip,
         outputs=out or [],
         as_json=json,
         quiet=quiet,

@@ -8,18 +8,20 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from rich.table import Table
 
 from moseg_core.choice import Choice
 from moseg_core.cli.console import console, message, print_json, progress_reporter, terms_table
 from moseg_core.cli.interrupt import stop_on_interrupt
 from moseg_core.cli.request import Asked, read_pins, read_start, read_task
+from moseg_core.clipping import check_parameterization, clip
 from moseg_core.errors import UsageError
 from moseg_core.io.files import check_output, load, save
 from moseg_core.io.writers import evaluation_document
 from moseg_core.method import read_resolution
 from moseg_core.nested import check_hierarchy, segment_hierarchy
-from moseg_core.pipeline import check_frozen, check_limits, matched_centers
+from moseg_core.pipeline import check_frozen, check_limits, matched_centers, prepare_method
 from moseg_core.result import Result
 from moseg_core.workers import available_workers, read_workers
 
@@ -40,6 +42,7 @@ def run_segment(
     seed: int,
     max_seconds: float | None,
     workers: int | None,
+    clipped: bool,
     outputs: list[Path],
     as_json: bool,
     quiet: bool,
@@ -50,6 +53,11 @@ def run_segment(
     problem = task.problem
     chosen = _read_choices(choices, centers)
     check_hierarchy(task, {**chosen, "settings": settings, "resolution": resolution})
+    if clipped:
+        ready = prepare_method(problem, task.method, chosen)
+        check_parameterization(ready["parameterization"].component.id)
+        if task.children:
+            raise UsageError("boundaries can be clipped for results of one level only, so far")
     if resolution is not None:
         read_resolution(resolution)
     begin = matched_centers(earlier.names, earlier.centers, problem) if earlier else None
@@ -94,6 +102,9 @@ def run_segment(
         )
     for warning in result.warnings:
         message(f"warning: {warning}", quiet=quiet)
+    if clipped:
+        result = clip(result)
+        message(_told(result), quiet=quiet)
     for output in outputs:
         save(result, output)
     free, whole = result.dimension
@@ -123,6 +134,14 @@ def _read_choices(choices: Mapping[str, str | None], centers: str | None) -> dic
             )
         chosen["seeder"] = Choice("given", {"centers": centers})
     return chosen
+
+
+def _told(result: Result) -> str:
+    """How much was clipped."""
+    assert result.clipped is not None  # clipped results only
+    pieces = np.bincount(result.clipped.source, minlength=result.shape.n_elements)
+    cut = pieces > 1
+    return f"clipped {cut.sum()} faces into {pieces[cut].sum()}"
 
 
 def _summary(result: Result) -> dict[str, Any]:

@@ -120,15 +120,16 @@ def write_seg(result: Result) -> bytes:
 
 
 def write_ply(result: Result) -> bytes:
-    """The input's polygons with the colour and label of each."""
-    names = result.problem.labels
-    return encode_ply(result.shape.geometry, result.labels, names, part_colors(len(names)))
+    """The input's polygons, or a clipped result's pieces, with the colour and label of each."""
+    names, (mesh, labels) = result.problem.labels, result.surface
+    source = None if result.clipped is None else result.clipped.source
+    return encode_ply(mesh, labels, names, part_colors(len(names)), source=source)
 
 
 def write_glb(result: Result) -> bytes:
     """A scene with one coloured node per part, named by its label."""
-    names = result.problem.labels
-    return encode_glb(result.shape.geometry, result.labels, names, part_colors(len(names)))
+    names, (mesh, labels) = result.problem.labels, result.surface
+    return encode_glb(mesh, labels, names, part_colors(len(names)))
 
 
 def _dump(value: Any) -> str:

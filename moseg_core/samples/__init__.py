@@ -7,11 +7,11 @@ name. Each is one closed, outward-oriented triangle mesh without holes or handle
 ===========  ======  ===========  ==================================================
 sample       faces   units        parts
 ===========  ======  ===========  ==================================================
-``bulldog``  00,000  metres       ``head``, ``body``, ``leg1``, ``leg2``, ``leg3``, ``leg4``
-``dove``     00,001  millimetres  ``body``, ``wing1``, ``wing2``, ``tail``
+``bulldog``  10,566  metres       ``head``, ``body``, ``leg1``, ``leg2``, ``leg3``, ``leg4``
+``dove``     11,502  millimetres  ``body``, ``wing1``, ``wing2``, ``tail``
 ``hammer``   8,410   millimetres  ``handle``, ``head``
 ``horse``    9,670   metres       ``head``, ``body``, ``leg1``, ``leg2``, ``leg3``, ``leg4``
-``octopus``  00,002  millimetres  ``head``, ``arm1`` to ``arm8``
+``octopus``  10,798  millimetres  ``head``, ``arm1`` to ``arm8``
 ===========  ======  ===========  ==================================================
 
 The true labels come from the construction and from no algorithm: a face belongs to the part whose

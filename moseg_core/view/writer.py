@@ -10,8 +10,8 @@ from moseg_core.view.picture import render_picture
 def write_png(result: Result) -> bytes:
     """A picture from two sides, with a legend and the cost."""
     title = f"{result.shape.name}, cost {result.cost:.4g}"
-    names = result.problem.labels
-    return render_picture(result.shape.geometry, result.labels, names, title=title)
+    mesh, labels = result.surface
+    return render_picture(mesh, labels, result.problem.labels, title=title)
 
 
 def write_svg(result: Result) -> bytes:

@@ -116,6 +116,12 @@ def test_mistakes_are_told_before_the_shape_is_read(moseg, tmp_path):
     assert "max_evaluations" in run.err
 
 
+def test_levels_are_not_clipped(moseg, mallet, recipe):
+    run = moseg("segment", mallet, "--recipe", recipe, "--clip")
+    assert run.code == 2
+    assert "results of one level only" in run.err
+
+
 def test_other_labels_do_not_fit_the_parts(moseg, mallet, recipe):
     run = moseg("segment", mallet, "--recipe", recipe, "--labels", "handle,top")
     assert run.code == 2
