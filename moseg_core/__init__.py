@@ -42,6 +42,7 @@ _HOMES = {
     "hookimpl": "hookspecs",
     "registry": "plugins",
     "Shape": "shape",
+    "capped_volume": "capped",
     "coarsen": "coarse",
     "Part": "part",
     "Segmentation": "segmentation",
@@ -56,6 +57,7 @@ _HOMES = {
     "Progress": "protocols",
     "Seeding": "protocols",
     "Problem": "problem",
+    "Hierarchy": "hierarchy",
     "Recipe": "recipe",
     "load_recipe": "recipe",
     "Evaluation": "aggregate",
@@ -65,6 +67,8 @@ _HOMES = {
     "clip": "clipping",
     "clip_boundaries": "clipping",
     "segment": "pipeline",
+    "segment_hierarchy": "nested",
+    "refine": "nested",
     "load": "io",
     "save": "io",
     "sample_path": "samples",
@@ -75,6 +79,7 @@ __all__ = ["__version__", *_HOMES]
 
 if TYPE_CHECKING:
     from moseg_core.aggregate import Evaluation as Evaluation
+    from moseg_core.capped import capped_volume as capped_volume
     from moseg_core.clipping import Clipped as Clipped
     from moseg_core.clipping import clip as clip
     from moseg_core.clipping import clip_boundaries as clip_boundaries
@@ -86,9 +91,12 @@ if TYPE_CHECKING:
     from moseg_core.errors import ShapeError as ShapeError
     from moseg_core.errors import UsageError as UsageError
     from moseg_core.evaluation import Evaluator as Evaluator
+    from moseg_core.hierarchy import Hierarchy as Hierarchy
     from moseg_core.hookspecs import hookimpl as hookimpl
     from moseg_core.io import load as load
     from moseg_core.io import save as save
+    from moseg_core.nested import refine as refine
+    from moseg_core.nested import segment_hierarchy as segment_hierarchy
     from moseg_core.objectives import objective as objective
     from moseg_core.parameters import Interval as Interval
     from moseg_core.part import Part as Part

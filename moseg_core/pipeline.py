@@ -19,6 +19,7 @@ from moseg_core.choice import Choice, Ready, prepare
 from moseg_core.coarse import coarse_pins
 from moseg_core.errors import UsageError, unknown
 from moseg_core.evaluation import Evaluator
+from moseg_core.hierarchy import Hierarchy
 from moseg_core.method import Method, read_finalists, read_resolution, read_restarts, settled, tuned
 from moseg_core.pins import read_pins
 from moseg_core.problem import Problem
@@ -125,6 +126,8 @@ def segment(
     """
     if not isinstance(shape, Shape):
         raise UsageError(f"segment takes a Shape, from moseg.load(path), not {shape!r:.60}")
+    if isinstance(problem, Hierarchy):
+        raise UsageError("segment takes one Problem; give a Hierarchy to segment_hierarchy")
     if not isinstance(problem, Problem):
         raise UsageError(f"segment takes a Problem, not {problem!r:.60}")
     given: dict[str, str | Mapping[str, Any] | Choice | None] = {
@@ -226,6 +229,11 @@ def segment(
 def _start_centers(start: Centers | Result | None, problem: Problem) -> Centers | None:
     """Centres in the problem's order, or a UsageError where they do not fit it."""
     if isinstance(start, Result):
+        if isinstance(start.problem, Hierarchy):
+            raise UsageError(
+                "the start is a result of several levels, whose centres belong to different"
+                " partitions; start from a result of one level, such as result.levels['']"
+            )
         start = matched_centers(start.problem.labels, start.centers, problem)
     n = len(problem.labels)
     if start is not None and (

@@ -17,6 +17,16 @@ A shape that is known to be symmetric, or that is to be unfolded, adds (Sec. 8 a
     embedding = "mds"                       # where the partition lives
     space = "mds"                           # where terms are evaluated that do not say
 
+Parts are segmented in their turn by recipes of their own, with the same keys, or by one that has
+a name (:mod:`moseg_core.hierarchy`). They are given for labels and globs::
+
+    [parts.head]
+    labels = ["ear1", "ear2", "skull"]
+    minimize = "narrow(ear*) + similar(ear*) + convex_parts"
+
+    [parts."leg*"]
+    recipe = "./leg.toml"                   # or the name of an installed one
+
 Bundles bring recipes through the hook ``moseg_recipes``; anybody else gives a path.
 """
 
@@ -30,6 +40,7 @@ from typing import Any
 
 from moseg_core.choice import Choice
 from moseg_core.errors import PluginError, UsageError, unknown
+from moseg_core.hierarchy import Hierarchy, expand_parts, joined
 from moseg_core.language import parse
 from moseg_core.method import Method, read_finalists, read_resolution, read_restarts
 from moseg_core.plugins import Registry, registry
@@ -61,6 +72,8 @@ class Recipe:
     embedding : Choice or None
     space : str or None
         See :class:`moseg_core.Problem`.
+    parts : tuple of (str, Recipe)
+        For labels whose part is segmented in its turn, in their order.
     """
 
     name: str
@@ -72,9 +85,10 @@ class Recipe:
     plane: str | None = None
     embedding: Choice | None = None
     space: str | None = None
+    parts: tuple[tuple[str, Recipe], ...] = ()
 
     def problem(self, *, source: Registry | None = None) -> Problem:
-        """The problem that the recipe states.
+        """The problem that the recipe states for the whole shape.
 
         Raises
         ------
@@ -96,8 +110,24 @@ class Recipe:
             registry=source,
         )
 
+    def hierarchy(self, *, source: Registry | None = None) -> Hierarchy:
+        """The problems for the whole and for its parts, each with its method.
 
-def parse_recipe(text: str, name: str) -> Recipe:
+        Raises
+        ------
+        UsageError, PluginError
+            As for :meth:`problem`.
+
+        Examples
+        --------
+        >>> load_recipe("hammer").hierarchy().labels
+        ('handle', 'head')
+        """
+        parts = {label: part.hierarchy(source=source) for label, part in self.parts}
+        return Hierarchy(self.problem(source=source), parts, self.method)
+
+
+def parse_recipe(text: str, name: str, *, source: Registry | None = None) -> Recipe:
     r"""Read the TOML text of a recipe.
 
     Parameters
@@ -105,6 +135,8 @@ def parse_recipe(text: str, name: str) -> Recipe:
     text : str
     name : str
         What to call it in messages.
+    source : Registry, optional
+        Where to look for recipes that it names for its parts.
 
     Raises
     ------
@@ -116,43 +148,7 @@ def parse_recipe(text: str, name: str) -> Recipe:
     >>> parse_recipe('labels = ["a"]\nminimize = "narrow(a)"', "mine").labels
     ('a',)
     """
-    try:
-        table = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise UsageError(f"recipe '{name}' is not valid TOML: {error}") from error
-    allowed = ("description", "labels", "minimize", *_PROBLEM_KEYS, *_METHOD_KEYS, *_EXTENT)
-    for key in table:
-        if key not in allowed:
-            raise UsageError(f"recipe '{name}': {unknown('key', key, allowed)}")
-    given = _required(table, "labels", list, name)
-    minimize = _required(table, "minimize", str, name)
-    description = _required({"description": ""} | table, "description", str, name)
-    constraints = _required({"constraints": []} | table, "constraints", list, name)
-    words = {key: _required(table, key, str, name) for key in ("plane", "space") if key in table}
-    try:
-        labels = check_label_names(given)
-        choices: dict[str, Any] = {
-            key: Choice.read(table[key], key) for key in _METHOD_KEYS if key in table
-        }
-        extent = {key: read(table[key]) for key, read in _EXTENT.items() if key in table}
-        embedding = None
-        if "embedding" in table:
-            embedding = Choice.read(table["embedding"], "embedding")
-        for text in constraints:
-            if not isinstance(text, str):
-                raise UsageError(f"a constraint is a text such as 'mirror(a, b)', not {text!r}")
-    except UsageError as error:
-        raise UsageError(f"recipe '{name}': {error}") from error
-    return Recipe(
-        name=name,
-        labels=labels,
-        minimize=minimize,
-        method=Method(**choices, **extent),
-        description=description,
-        constraints=tuple(constraints),
-        embedding=embedding,
-        **words,
-    )
+    return _parse(text, name, _Library(registry() if source is None else source))
 
 
 def load_recipe(name: str, *, source: Registry | None = None) -> Recipe:
@@ -170,24 +166,120 @@ def load_recipe(name: str, *, source: Registry | None = None) -> Recipe:
     >>> load_recipe("hammer").labels
     ('handle', 'head')
     """
-    if name.endswith(".toml") or "/" in name or "\\" in name:
-        try:
-            text = Path(name).read_text(encoding="utf-8")
-        except (OSError, UnicodeDecodeError) as error:
-            raise UsageError(f"recipe '{name}' cannot be read: {error}") from error
-        return parse_recipe(text, Path(name).stem)
-    component = (registry() if source is None else source).find("recipe", name)
-    text = component.load()
-    if not isinstance(text, str):
-        raise PluginError(
-            f"recipe '{component.id}' of {component.distribution} is a {type(text).__name__}, not"
-            f" a text"
-        )
-    recipe = parse_recipe(text, component.spec.name)
-    found = registry() if source is None else source
+    return _Library(registry() if source is None else source).load(name)
+
+
+@dataclass(frozen=True)
+class _Library:
+    """Where recipes are found that others name, and which of them are being read.
+
+    Parameters
+    ----------
+    source : Registry
+    folder : Path
+        What paths are relative to: the folder of the file that gives them.
+    reading : tuple of str
+    """
+
+    source: Registry
+    folder: Path = Path()
+    reading: tuple[str, ...] = ()
+
+    def load(self, name: str) -> Recipe:
+        """A recipe by name or path."""
+        if name.endswith(".toml") or "/" in name or "\\" in name:
+            path = self.folder / name
+            try:
+                text = path.read_text(encoding="utf-8")
+            except (OSError, UnicodeDecodeError) as error:
+                raise UsageError(f"recipe '{name}' cannot be read: {error}") from error
+            return _parse(text, path.stem, self._within(str(path.resolve()), path.parent))
+        component = self.source.find("recipe", name)
+        text = component.load()
+        if not isinstance(text, str):
+            raise PluginError(
+                f"recipe '{component.id}' of {component.distribution} is a {type(text).__name__},"
+                f" not a text"
+            )
+        recipe = _parse(text, component.spec.name, self._within(component.id, Path()))
+        return _in_full(recipe, component.bundle, self.source)
+
+    def _within(self, key: str, folder: Path) -> _Library:
+        """The library for the parts of a recipe, which may not name a recipe that it is part of."""
+        if key in self.reading:
+            raise UsageError(f"recipe '{key}' is among its own parts; parts end somewhere")
+        return _Library(self.source, folder, (*self.reading, key))
+
+
+def _parse(text: str, name: str, library: _Library) -> Recipe:
+    try:
+        table = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise UsageError(f"recipe '{name}' is not valid TOML: {error}") from error
+    return _read(table, name, library)
+
+
+def _read(table: Mapping[str, Any], name: str, library: _Library) -> Recipe:
+    allowed = ("description", "labels", "minimize", "parts", *_PROBLEM_KEYS, *_METHOD_KEYS)
+    allowed = (*allowed, *_EXTENT)
+    for key in table:
+        if key not in allowed:
+            raise UsageError(f"recipe '{name}': {unknown('key', key, allowed)}")
+    given = _required(table, "labels", list, name)
+    minimize = _required(table, "minimize", str, name)
+    description = _required({"description": ""} | dict(table), "description", str, name)
+    constraints = _required({"constraints": []} | dict(table), "constraints", list, name)
+    words = {key: _required(table, key, str, name) for key in ("plane", "space") if key in table}
+    try:
+        labels = check_label_names(given)
+        choices: dict[str, Any] = {
+            key: Choice.read(table[key], key) for key in _METHOD_KEYS if key in table
+        }
+        extent = {key: read(table[key]) for key, read in _EXTENT.items() if key in table}
+        embedding = None
+        if "embedding" in table:
+            embedding = Choice.read(table["embedding"], "embedding")
+        for text in constraints:
+            if not isinstance(text, str):
+                raise UsageError(f"a constraint is a text such as 'mirror(a, b)', not {text!r}")
+        nested = table.get("parts", {})
+        if not isinstance(nested, dict):
+            raise UsageError(f"'parts' must be tables such as [parts.head]; it is {nested!r}")
+        expand_parts(nested.items(), labels)
+    except UsageError as error:
+        raise UsageError(f"recipe '{name}': {error}") from error
+    read = [(key, _read_part(part, joined(name, key), library)) for key, part in nested.items()]
+    return Recipe(
+        name=name,
+        labels=labels,
+        minimize=minimize,
+        method=Method(**choices, **extent),
+        description=description,
+        constraints=tuple(constraints),
+        embedding=embedding,
+        parts=tuple(expand_parts(read, labels).items()),
+        **words,
+    )
+
+
+def _read_part(table: object, name: str, library: _Library) -> Recipe:
+    """The recipe of a part: a table with a recipe's keys, or with the name of one."""
+    if not isinstance(table, dict):
+        raise UsageError(f"recipe '{name}' must be a table with labels and minimize, or a recipe")
+    if "recipe" not in table:
+        return _read(table, name, library)
+    others = [key for key in table if key != "recipe"]
+    if others:
+        raise UsageError(f"recipe '{name}': 'recipe' stands alone, without '{others[0]}'")
+    return library.load(_required(table, "recipe", str, name))
+
+
+def _in_full(recipe: Recipe, bundle: str, source: Registry) -> Recipe:
+    """A bundle's recipe, in which names mean the bundle's own objectives (:func:`said_in_full`)."""
     return replace(
         recipe,
-        minimize=said_in_full(recipe.minimize, lambda word: f"{component.bundle}:{word}", found),
+        minimize=said_in_full(recipe.minimize, lambda word: f"{bundle}:{word}", source),
+        parts=tuple((label, _in_full(part, bundle, source)) for label, part in recipe.parts),
     )
 
 

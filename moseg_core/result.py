@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 from moseg_core.aggregate import Evaluation
+from moseg_core.hierarchy import Hierarchy
 from moseg_core.part import Part
 from moseg_core.plugins import measure_resolver
 from moseg_core.problem import Problem
@@ -33,13 +34,16 @@ class Result:
     ----------
     shape : Shape
         As the user gave it.
-    problem : Problem
+    problem : Problem or Hierarchy
+        A hierarchy where parts were segmented in their turn; its labels are then paths.
     labels : (F,) int32
         Index into ``problem.labels`` for every input face, in file order.
     evaluation : Evaluation
         Cost by term and part, of these labels.
     centers : Centers
-        One centre per label, in units of :attr:`partitioned`.
+        One centre per label, in units of :attr:`partitioned`. Those of a hierarchy's leaves belong
+        to different partitions, each to that of its own level: its weight compares with those of
+        its siblings only.
     dimension : (int, int)
         How many numbers the search had to find, and how many describe the segmentation; they
         differ where constraints give some from others.
@@ -56,10 +60,12 @@ class Result:
     clipped : Clipped or None
         The surface with its boundaries cut below mesh resolution
         (:func:`moseg_core.clipping.clip`).
+    levels : mapping of str to Result
+        For a hierarchy the result of each level by its path, "" for the whole; else empty.
     """
 
     shape: Shape
-    problem: Problem
+    problem: Problem | Hierarchy
     labels: Int32Array
     evaluation: Evaluation
     centers: Centers
@@ -71,6 +77,7 @@ class Result:
     dimension: tuple[int, int] = (0, 0)
     warnings: tuple[str, ...] = ()
     clipped: Clipped | None = None
+    levels: Mapping[str, Result] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         for array in (self.labels, self.centers.positions, self.centers.weights):

@@ -31,8 +31,8 @@ from moseg_core.adjacency import (
     enclosed_volume,
     mesh_adjacency,
     ranges,
-    signed_volume,
 )
+from moseg_core.capped import capped_volume
 from moseg_core.errors import ShapeError
 from moseg_core.extreme import Extremes, find_extremes
 from moseg_core.mesh import PolygonMesh
@@ -208,8 +208,9 @@ class Shape:
         -------
         Shape
             Its areas, moments and frame are those of the deformed surface, its neighbours those
-            of this one. Its volume is the absolute signed volume of the deformed surface, where
-            this one encloses a volume: parts that fold over each other count with their sign.
+            of this one. Its volume is the absolute signed volume of the deformed surface, its
+            holes capped, where this one has a volume: parts that fold over each other count with
+            their sign.
 
         Raises
         ------
@@ -233,7 +234,7 @@ class Shape:
         corners = places[mesh.triangles]
         volume, reason = self.volume, self.volume_reason
         if volume is not None:
-            volume = abs(signed_volume(corners - corners.reshape(-1, 3).mean(axis=0)))
+            volume = capped_volume(places - corners.reshape(-1, 3).mean(axis=0), mesh.triangles)
             if volume <= 1e-12 * bent.frame.scale**3:
                 volume, reason = None, f"it is flat in the space '{space}'"
         return replace(

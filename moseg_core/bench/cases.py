@@ -21,10 +21,10 @@ import numpy as np
 from moseg_core.bench.names import Naming, labels_by_overlap, labels_of_names
 from moseg_core.bench.psb import Model
 from moseg_core.errors import MosegError, UsageError
+from moseg_core.hierarchy import Hierarchy
 from moseg_core.io import Labelling, load, read_labels
 from moseg_core.metrics import named_right, rand_index_error
-from moseg_core.pipeline import segment
-from moseg_core.problem import Problem
+from moseg_core.nested import segment_hierarchy
 from moseg_core.protocols import Report
 from moseg_core.recipe import Recipe
 from moseg_core.shape import Shape
@@ -157,21 +157,22 @@ def _measure(
         labels = cluster(shape, round(statistics.median(len(np.unique(p)) for p in people)))
         return {"rand_index_error": _against(labels, people)}, labels
     assert case.recipe is not None  # everything else has one
-    problem = case.recipe.problem()
+    task = case.recipe.hierarchy()
     named = _named(case, shape)
     if case.method == COSTS:
-        return _costs(case, shape, problem, named, people), None
+        return _costs(case, shape, task, named, people), None
     began = time.perf_counter()
-    result = segment(
+    result = segment_hierarchy(
         shape,
-        problem,
-        method=case.recipe.method,
+        task,
         settings=case.method,
         seed=case.seed,
         report=report,
     )
     seconds = time.perf_counter() - began
-    labels = result.labels.astype(np.int64)
+    # A part that could not be divided is that of its first leaf.
+    first = [task.first_leaf(name) for name in result.problem.labels]
+    labels = np.array(first)[result.labels]
     values: dict[str, Any] = {
         "rand_index_error": _against(labels, people),
         "seconds": seconds,
@@ -180,8 +181,8 @@ def _measure(
     }
     if named is not None and named.names is not None and _comparable(case, shape, named):
         values["named_right"] = named_right(
-            labels,
-            problem.labels,
+            result.labels.astype(np.int64),
+            result.problem.labels,
             named.labels,
             named.names,
             shape.areas,
@@ -194,7 +195,7 @@ def _comparable(case: Case, shape: Shape, named: Labelling) -> bool:
     """Whether the recipe has a label for everything that is named, so that names say something."""
     assert case.recipe is not None  # only searches are asked
     try:
-        labels_of_names(shape, named, case.recipe.labels, case.naming)
+        labels_of_names(shape, named, case.recipe.hierarchy().labels, case.naming)
     except UsageError:
         return False
     return True
@@ -243,19 +244,19 @@ def cluster(shape: Shape, n: int) -> IntArray:
 def _costs(
     case: Case,
     shape: Shape,
-    problem: Problem,
+    task: Hierarchy,
     named: Labelling | None,
     people: list[IntArray],
 ) -> dict[str, Any]:
     """What the named parts, and each person's, cost under the recipe."""
     if named is None:
         raise UsageError("there are no named parts, which the recipe's labels could be given to")
-    labels = labels_of_names(shape, named, problem.labels, case.naming)
-    whole = problem.evaluate(shape, labels)
+    labels = labels_of_names(shape, named, task.labels, case.naming)
+    whole = task.evaluate(shape, labels)
     costs, incomplete = [], 0
     for person in people:
         own = labels_by_overlap(person, labels, shape.areas)
-        evaluation = problem.evaluate(shape, own)
+        evaluation = task.evaluate(shape, own)
         if evaluation.empty:
             incomplete += 1
         else:

@@ -57,7 +57,8 @@ def draw_case(
     shape = load(case.model.mesh)
     own = f"{case.key}.png"
     title = f"{case.model.number}, {case.recipe.name}, {case.method}, seed {case.seed}"
-    picture = render_picture(shape.geometry, labels, case.recipe.labels, title=title, size=_SIZE)
+    leaves = case.recipe.hierarchy().labels
+    picture = render_picture(shape.geometry, labels, leaves, title=title, size=_SIZE)
     write_file(folder / own, picture)
     names = [own]
     for k, path in enumerate(case.model.people[:2]):

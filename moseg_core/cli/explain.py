@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from moseg_core.cli.console import console, message, print_json, terms_table
-from moseg_core.cli.request import Asked, read_problem
+from moseg_core.cli.request import Asked, read_task
 from moseg_core.errors import UsageError, unknown
 from moseg_core.io import Labelling, load, read_labels, read_result
 from moseg_core.io.writers import evaluation_document
@@ -36,9 +36,11 @@ def run_explain(
     else:
         if parts is None:
             raise UsageError(f"'{source}' is a shape: give the labelling to explain with --parts")
-        problem, _ = read_problem(asked)
+        problem = read_task(asked)
         shape = load(source)
         labelling = read_labels(parts, shape.n_elements)
+        if labelling.names is not None:
+            problem = problem.fitted(labelling.names)
         matched = _match(labelling, problem.labels, parts)
         evaluation = problem.evaluate(shape, matched)
         segmentation = Segmentation.from_labels(shape, matched, len(problem.labels))

@@ -10,6 +10,7 @@ import numpy as np
 
 from moseg_core.choice import Choice
 from moseg_core.errors import UsageError
+from moseg_core.hierarchy import Hierarchy
 from moseg_core.io.saved import SavedResult, read_result
 from moseg_core.method import Method
 from moseg_core.plugins import registry
@@ -42,8 +43,8 @@ class Asked:
         return any(getattr(self, field.name) for field in fields(self))
 
 
-def read_problem(asked: Asked, *, start: SavedResult | None = None) -> tuple[Problem, Method]:
-    """The problem and the method that the options ask for.
+def read_task(asked: Asked, *, start: SavedResult | None = None) -> Hierarchy:
+    """The problem that the options ask for, its method, and those of its parts.
 
     Parameters
     ----------
@@ -51,12 +52,19 @@ def read_problem(asked: Asked, *, start: SavedResult | None = None) -> tuple[Pro
     start : SavedResult or None
         A result to go on from, whose own problem stands in where no recipe is given.
 
+    Returns
+    -------
+    Hierarchy
+        Of one level where the recipe gives no problems for parts. The other options replace what
+        the recipe says of the first level.
+
     Raises
     ------
     UsageError
         Nothing says what the labels or the expression are, or anything is wrong in them.
     """
     method = Method()
+    parts: dict[str, Hierarchy] = {}
     names: Sequence[str] | None = None
     expression: str | None = None
     constraints: Sequence[str] = ()
@@ -67,6 +75,7 @@ def read_problem(asked: Asked, *, start: SavedResult | None = None) -> tuple[Pro
         names, expression, method = found.labels, found.minimize, found.method
         constraints, plane = found.constraints, found.plane
         embedding, space = found.embedding, found.space
+        parts = {label: part.hierarchy() for label, part in found.parts}
     elif start is not None:
         meant = {_name(term.text): term.objective for term in start.evaluation.terms}
         names, expression = start.names, said_in_full(start.minimize, meant.get, registry())
@@ -95,7 +104,7 @@ def read_problem(asked: Asked, *, start: SavedResult | None = None) -> tuple[Pro
         embedding=embedding,
         space=space if asked.space is None else asked.space,
     )
-    return problem, method
+    return Hierarchy(problem, parts, method)
 
 
 def _name(text: str) -> str:
@@ -104,8 +113,20 @@ def _name(text: str) -> str:
 
 
 def read_start(path: Path | None) -> SavedResult | None:
-    """The result to go on from, where one is given."""
-    return None if path is None else read_result(path)
+    """The result to go on from, where one is given.
+
+    Raises
+    ------
+    UsageError
+        It cannot be read, or it is one of several levels.
+    """
+    found = None if path is None else read_result(path)
+    if found is not None and found.levels:
+        raise UsageError(
+            f"'{path}' is a result of several levels, whose centres belong to different"
+            " partitions; start from a result of one level"
+        )
+    return found
 
 
 def read_pins(words: Sequence[str]) -> dict[str, np.ndarray]:

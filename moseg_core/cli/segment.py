@@ -14,13 +14,14 @@ from rich.table import Table
 from moseg_core.choice import Choice
 from moseg_core.cli.console import console, message, print_json, progress_reporter, terms_table
 from moseg_core.cli.interrupt import stop_on_interrupt
-from moseg_core.cli.request import Asked, read_pins, read_problem, read_start
+from moseg_core.cli.request import Asked, read_pins, read_start, read_task
 from moseg_core.clipping import check_parameterization, clip
 from moseg_core.errors import UsageError
 from moseg_core.io.files import check_output, load, save
 from moseg_core.io.writers import evaluation_document
 from moseg_core.method import read_resolution
-from moseg_core.pipeline import check_frozen, check_limits, matched_centers, prepare_method, segment
+from moseg_core.nested import check_hierarchy, segment_hierarchy
+from moseg_core.pipeline import check_frozen, check_limits, matched_centers, prepare_method
 from moseg_core.result import Result
 from moseg_core.workers import available_workers, read_workers
 
@@ -48,11 +49,15 @@ def run_segment(
 ) -> None:
     """Check everything that can be checked, then read, search, write and print."""
     earlier = read_start(start)
-    problem, method = read_problem(asked, start=earlier)
+    task = read_task(asked, start=earlier)
+    problem = task.problem
     chosen = _read_choices(choices, centers)
-    ready = prepare_method(problem, method, chosen)
+    check_hierarchy(task, {**chosen, "settings": settings, "resolution": resolution})
     if clipped:
+        ready = prepare_method(problem, task.method, chosen)
         check_parameterization(ready["parameterization"].component.id)
+        if task.children:
+            raise UsageError("boundaries can be clipped for results of one level only, so far")
     if resolution is not None:
         read_resolution(resolution)
     begin = matched_centers(earlier.names, earlier.centers, problem) if earlier else None
@@ -79,10 +84,9 @@ def run_segment(
     for note in shape.notes:
         message(f"{path.name}: {note}", quiet=quiet)
     with progress_reporter(quiet=quiet) as show, stop_on_interrupt(wanted=bool(outputs)) as stop:
-        result = segment(
+        result = segment_hierarchy(
             shape,
-            problem,
-            method=method,
+            task,
             **chosen,
             start=begin,
             freeze=frozen,

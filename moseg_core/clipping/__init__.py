@@ -79,7 +79,7 @@ def clip(result: Result, *, space: Shape | None = None) -> Result:
     Raises
     ------
     UsageError
-        The result was not found with weighted Voronoi partitions.
+        The result was not found with weighted Voronoi partitions, or is one of several levels.
     ShapeError
         `space` does not have the faces and vertices of the result's shape.
 
@@ -93,6 +93,11 @@ def clip(result: Result, *, space: Shape | None = None) -> Result:
     >>> clipped.mesh.n_polygons > shape.n_elements
     True
     """
+    if result.levels:
+        raise UsageError(
+            "boundaries can be clipped for results of one level only, so far; clip one of"
+            " result.levels, such as result.levels['']"
+        )
     check_parameterization(result.method.get("parameterization", PARAMETERIZATION))
     space = result.partitioned if space is None else space
     return replace(

@@ -36,7 +36,9 @@ class SavedResult:
         The problem's expression.
     constraints : tuple of str
     plane, embedding, space : str or None
-        What else belongs to the problem.
+        What else belongs to the problem; of several levels that of the first.
+    levels : tuple of mapping
+        Path, labels and expression of every level of a hierarchy; else empty.
     evaluation : Evaluation
     centers : Centers
     method : mapping of str to str
@@ -63,6 +65,7 @@ class SavedResult:
     warnings: tuple[str, ...]
     versions: Mapping[str, str]
     history: Mapping[str, list[dict[str, float]]]
+    levels: tuple[Mapping[str, Any], ...] = ()
 
 
 def read_result(path: Path) -> SavedResult:
@@ -136,4 +139,5 @@ def _from_document(document: dict[str, Any]) -> SavedResult:
         warnings=tuple(document["warnings"]),
         versions=document["versions"],
         history=document["history"],
+        levels=tuple(problem.get("levels", ())),
     )

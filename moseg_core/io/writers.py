@@ -10,6 +10,7 @@ import math
 from typing import Any
 
 from moseg_core.aggregate import Evaluation
+from moseg_core.hierarchy import Hierarchy
 from moseg_core.io.encode_glb import encode_glb
 from moseg_core.io.encode_ply import encode_ply
 from moseg_core.io.labels import encode_seg
@@ -68,8 +69,13 @@ def write_json(result: Result) -> bytes:
     return ("{\n" + ",\n".join(lines) + "\n}\n").encode()
 
 
-def _problem_document(problem: Problem) -> dict[str, Any]:
-    """Labels and expression; constraints and embedding where there are any."""
+def _problem_document(problem: Problem | Hierarchy) -> dict[str, Any]:
+    """Labels and expression; constraints, embedding and further levels where there are any."""
+    if isinstance(problem, Hierarchy):
+        levels = [
+            {"path": path, **_problem_document(level.problem)} for path, level in problem.levels()
+        ]
+        return {**_problem_document(problem.problem), "labels": problem.labels, "levels": levels}
     document: dict[str, Any] = {
         "labels": list(problem.labels),
         "minimize": str(problem.expression),

@@ -25,12 +25,14 @@ from moseg_core.types import FloatArray, IntArray
 def fold(name: str) -> str:
     """A name without its instance number: ``leg3`` is a ``leg``.
 
+    Of a path every name is folded: the ``shin`` of ``leg3`` is the ``shin`` of a ``leg``.
+
     Examples
     --------
-    >>> fold("leg3"), fold("3")
-    ('leg', '3')
+    >>> fold("leg3"), fold("3"), fold("leg3/shin")
+    ('leg', '3', 'leg/shin')
     """
-    return name.rstrip("0123456789") or name
+    return "/".join(word.rstrip("0123456789") or word for word in name.split("/"))
 
 
 def renamed(names: Sequence[str], rename: Mapping[str, str]) -> list[str]:

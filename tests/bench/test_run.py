@@ -13,6 +13,7 @@ import pytest
 from moseg_core.bench import cases
 from moseg_core.bench.cases import Case, cluster, run_case
 from moseg_core.bench.names import Naming
+from moseg_core.bench.page import draw_case
 from moseg_core.bench.psb import find_models
 from moseg_core.cli.app import main
 from moseg_core.cli.benchmark import read_recipes, read_seeds
@@ -246,3 +247,23 @@ def test_damaged_and_outdated_cases_are_measured_again(psb, tmp_path):
     changed = rows()
     assert changed[0]["rand_index_error"] != first[0]["rand_index_error"]
     assert picture.read_bytes() != before
+
+
+def test_a_recipe_of_several_levels(psb, tmp_path):
+    few = 'optimizer = "pattern_search(max_evaluations=5)"\n'
+    many = ", ".join(f'"m{k}"' for k in range(400))
+    path = tmp_path / "levels.toml"
+    path.write_text(
+        f'labels = ["one", "two"]\nminimize = "narrow(one)"\n{few}'
+        f'[parts.one]\nlabels = [{many}]\nminimize = "narrow(m*)"\n{few}'
+        f'[parts.two]\nlabels = ["a", "b"]\nminimize = "narrow(a)"\n{few}'
+    )
+    recipe = load_recipe(str(path))
+    case = Case(model=find_models(psb)[0], method="default", recipe=recipe)
+    row, labels = run_case(case, report=silent)
+    assert row.failure == ""
+    # 'one' is left whole: it has fewer faces than labels. Its first leaf stands for it.
+    leaves = recipe.hierarchy().labels
+    assert {leaves[k] for k in np.unique(labels)} == {"one/m0", "two/a", "two/b"}
+    (picture,) = draw_case(case, labels, tmp_path)[:1]
+    assert (tmp_path / picture).read_bytes().startswith(b"\x89PNG")

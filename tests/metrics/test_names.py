@@ -34,7 +34,15 @@ def test_the_share_named_right_is_that_of_the_area_under_the_right_name(seed, si
 
 @pytest.mark.parametrize(
     ("name", "folded"),
-    [("leg", "leg"), ("leg12", "leg"), ("leg1_2", "leg1_"), ("007", "007"), ("a1b", "a1b")],
+    [
+        ("leg", "leg"),
+        ("leg12", "leg"),
+        ("leg1_2", "leg1_"),
+        ("007", "007"),
+        ("a1b", "a1b"),
+        ("leg1/shin2", "leg/shin"),
+        ("3/leg3", "3/leg"),
+    ],
 )
 def test_instance_numbers_are_folded(name, folded):
     assert fold(name) == folded

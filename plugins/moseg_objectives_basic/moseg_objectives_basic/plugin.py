@@ -118,7 +118,7 @@ def moseg_measures() -> list[MeasureSpec]:
 
 @hookimpl
 def moseg_recipes() -> list[RecipeSpec]:
-    """The recipes of Fig. 9 that need no constraint."""
+    """The recipes of Fig. 9 that need no constraint, and that of Fig. 8."""
     return [
         RecipeSpec(
             name="hammer",
@@ -129,5 +129,10 @@ def moseg_recipes() -> list[RecipeSpec]:
             name="horse",
             target=f"{_PACKAGE}.recipes:HORSE",
             summary="a four-legged animal: head, body, four legs",
+        ),
+        RecipeSpec(
+            name="symmetry_then_convex",
+            target=f"{_PACKAGE}.recipes:SYMMETRY_THEN_CONVEX",
+            summary="on two levels: symmetric parts, then convex pieces of them",
         ),
     ]

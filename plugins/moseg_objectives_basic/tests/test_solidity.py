@@ -8,8 +8,7 @@ import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from moseg_objectives_basic.convexity import hull_volume
-from moseg_objectives_basic.solidity import _blocks, closed_volume, convex
-from scipy.sparse.csgraph import connected_components
+from moseg_objectives_basic.solidity import closed_volume, convex
 from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
@@ -210,36 +209,6 @@ def test_repeated_vertices_are_one(make):
     soup = vertices[open_].reshape(-1, 3), np.arange(3 * len(open_)).reshape(-1, 3)
     shared, apart = make.part((vertices, open_)), make.part(soup)
     assert closed_volume(apart) == pytest.approx(closed_volume(shared), rel=1e-12)
-
-
-def reference_blocks(edges):
-    """Two edges are in one block where they stay connected without any single vertex."""
-    n = len(edges)
-    together = np.ones((n, n), bool)
-    for v in np.unique(edges):
-        touch = np.eye(n, dtype=bool)
-        for i in range(n):
-            for j in range(n):
-                touch[i, j] |= bool(set(edges[i]) & set(edges[j]) - {v})
-        _, component = connected_components(touch, directed=False)
-        together &= component[:, None] == component
-    return together
-
-
-@given(data=st.data())
-@settings(max_examples=60, deadline=None)
-def test_blocks_by_their_definition(data):
-    vertex = st.integers(0, 7)
-    pairs = st.tuples(vertex, vertex).filter(lambda e: e[0] < e[1])
-    edges = np.array(data.draw(st.lists(pairs, min_size=1, max_size=12, unique=True)))
-    block = _blocks(edges)
-    assert sorted(set(block)) == list(range(block.max() + 1))
-    np.testing.assert_array_equal(block[:, None] == block, reference_blocks(edges.tolist()))
-
-
-def test_blocks_of_a_long_loop():
-    k = np.arange(20_000)
-    assert (_blocks(np.stack([k, np.roll(k, -1)], axis=1)) == 0).all()
 
 
 @given(data=st.data(), seed=st.integers(0, 1000))

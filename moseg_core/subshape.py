@@ -1,0 +1,96 @@
+"""A part as a shape of its own, to be segmented in its turn.
+
+Its elements are those of the part, in the same order, so that a label found for element ``i`` of
+the part belongs to element ``elements[i]`` of the whole. Everything else is measured anew: its
+unit coordinates are those of its own bounding box, its neighbours are neighbours within the part,
+and its volume is the one that it encloses once the cuts are capped (:mod:`moseg_core.capped`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from moseg_core.adjacency import ranges
+from moseg_core.capped import capped_volume
+from moseg_core.errors import ShapeError
+from moseg_core.mesh import PolygonMesh
+from moseg_core.shape import Shape
+from moseg_core.types import IntArray
+
+#: Below this share of the cubed diagonal a volume is rounding, as for whole shapes.
+_FLAT = 1e-9
+
+
+def subshape(shape: Shape, elements: IntArray, *, name: str | None = None) -> Shape:
+    """Some elements of a shape, as a shape.
+
+    Parameters
+    ----------
+    shape : Shape
+        As the user gave it.
+    elements : (k,) int
+        Which ones, ascending.
+    name : str, optional
+        What to call it in messages.
+
+    Returns
+    -------
+    Shape
+        Of k elements. It has no volume where it is flat, where the faces are not oriented alike,
+        or where the cuts leave nothing to enclose.
+
+    Raises
+    ------
+    ShapeError
+        No elements, or none with an area; a kind of geometry that cannot be divided.
+
+    Examples
+    --------
+    >>> box = Shape.from_mesh([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)],
+    ...                       [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1],
+    ...                        [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]])
+    >>> bowl = subshape(box, np.array([0, 1, 2, 3, 4]), name="bowl")
+    >>> bowl.n_elements, round(bowl.volume, 6)
+    (5, 1.0)
+    """
+    called = shape.name if name is None else name
+    if not isinstance(shape.geometry, PolygonMesh):
+        kind = type(shape.geometry).__name__
+        raise ShapeError(f"parts of '{shape.name}' cannot be divided further: it is a {kind}")
+    if len(elements) == 0:
+        raise ShapeError(f"'{called}' has no elements")
+    mesh = _restricted(shape.geometry, elements)
+    part = Shape.from_polygon_mesh(mesh, name=called)
+    volume, reason = part.volume, part.volume_reason
+    # The orientation of a whole that encloses a volume is known to be right, and so the part's.
+    if volume is None and (shape.volume is not None or _oriented(mesh)):
+        volume = capped_volume(mesh.vertices - part.frame.center, mesh.triangles)
+        reason = ""
+        if volume <= _FLAT * part.frame.scale**3:
+            volume, reason = None, "it is flat, also with its cuts capped"
+    return replace(part, volume=volume, volume_reason=reason, notes=())
+
+
+def _restricted(mesh: PolygonMesh, elements: IntArray) -> PolygonMesh:
+    """Some polygons of a mesh with the vertices that they use, cut into the same triangles."""
+    sizes = np.diff(mesh.offsets)[elements]
+    corners = mesh.corners[ranges(mesh.offsets, elements)]
+    used, corners = np.unique(corners, return_inverse=True)
+    starts = np.searchsorted(mesh.triangle_polygon, np.arange(mesh.n_polygons + 1))
+    pieces = ranges(starts, elements)
+    return PolygonMesh(
+        vertices=mesh.vertices[used],
+        corners=corners.reshape(-1).astype(np.int64),
+        offsets=np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64),
+        triangles=np.searchsorted(used, mesh.triangles[pieces]),
+        triangle_polygon=np.repeat(np.arange(len(elements)), np.diff(starts)[elements]),
+    )
+
+
+def _oriented(mesh: PolygonMesh) -> bool:
+    """Whether no two polygons run through their common edge the same way."""
+    ends, _ = mesh.edges
+    code = ends[:, 0] * np.int64(len(mesh.vertices)) + ends[:, 1]
+    return len(np.unique(code)) == len(code)
