@@ -139,6 +139,7 @@ def _blocks(edges: IntArray) -> IntArray:
 
 @objective(
     range=(0, 1),
+    requires=("surface",),
     invariant_to=("rigid", "scale", "reflection", "order", "tessellation"),
     cost="moderate",
 )
