@@ -131,7 +131,7 @@ def estimated_areas(points: FloatArray, nearest: int = _NEAREST) -> FloatArray:
     near = min(nearest, len(points) - 1)
     if near < 1:
         return np.zeros(len(points))
-    distances = cKDTree(points).query(points, near + 1)[0][:, 1:]
+    distances = np.asarray(cKDTree(points).query(points, near + 1)[0])[:, 1:]
     areas: FloatArray = np.pi * (distances**2).sum(axis=1) / (near * (near + 1) / 2)
     return areas
 

@@ -71,9 +71,9 @@ def _samples(geometry: Geometry) -> tuple[FloatArray, float]:
     if isinstance(geometry, PointCloud):
         kept = vertices
         if len(vertices) > 2 * _SAMPLES:
-            corners = ConvexHull(vertices).vertices
+            hull = ConvexHull(vertices).vertices
             some = rng.choice(len(vertices), 2 * _SAMPLES, replace=False)
-            kept = vertices[np.union1d(corners, some)]
+            kept = vertices[np.union1d(hull, some)]
         return kept, float(np.sqrt(geometry.areas.sum() / len(kept)))
     corners = geometry.vertices[geometry.triangles]
     edges = corners - corners[:, :1]

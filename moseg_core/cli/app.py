@@ -30,11 +30,13 @@ Outputs = Annotated[
     Parameter(
         name=["--out", "-o"],
         negative=(),
-        help="File to write, format by suffix: json, seg, ply, glb, png. Repeatable.",
+        help="File to write, format by suffix: json, seg, ply, npz, npy, glb, png. Repeatable.",
     ),
 ]
 Repeated = Annotated[list[str] | None, Parameter(negative=())]
 Flag = Annotated[bool, Parameter(negative=())]
+Nearness = Literal["auto", "knn", "none"]
+Cells = Literal["solid", "surface"]
 
 
 @app.command
@@ -45,6 +47,9 @@ def segment(
     recipe: str | None = None,
     labels: str | None = None,
     minimize: str | None = None,
+    adjacency: Nearness = "auto",
+    volume: str | None = None,
+    voxels: Cells = "solid",
     seeder: str | None = None,
     labeler: str | None = None,
     optimizer: str | None = None,
@@ -75,13 +80,19 @@ def segment(
     Parameters
     ----------
     shape
-        Mesh to segment: OFF, PLY, OBJ, STL or GLB.
+        A mesh (OFF, PLY, OBJ, STL, GLB), point cloud (PLY, XYZ, CSV) or voxel grid (NPY, BINVOX).
     recipe
         Name of an installed recipe, or path of a TOML file.
     labels
         Names of the parts, separated by commas; instead of the recipe's.
     minimize
         What to minimise, such as "3*narrow(handle) + convex_parts"; instead of the recipe's.
+    adjacency
+        Which elements touch: what the shape knows of it, the nearest as well, or none.
+    volume
+        Estimate the enclosed volume: a number, "hull" or "winding".
+    voxels
+        Whether all cells of a voxel grid are elements, or only those of its surface.
     seeder
         How centres are first placed: a name, or name(key=number).
     labeler
@@ -93,7 +104,8 @@ def segment(
     start
         Go on from an earlier result (.json), also under another --minimize.
     pin
-        Elements (faces, counted from 0) that must bear a label: head=120,121. Repeatable.
+        Elements (faces, points or cells, counted from 0) that must bear a label: head=120,121.
+        Repeatable.
     freeze
         Labels, separated by commas, whose centres stay where they start.
     restarts
@@ -122,6 +134,9 @@ def segment(
         recipe=recipe,
         labels=labels,
         minimize=minimize,
+        adjacency=adjacency,
+        volume=volume,
+        voxels=voxels,
         choices={"seeder": seeder, "labeler": labeler, "optimizer": optimizer},
         centers=centers,
         start=start,
@@ -149,6 +164,9 @@ def explain(
     labels: str | None = None,
     minimize: str | None = None,
     parts: Path | None = None,
+    adjacency: Nearness = "auto",
+    volume: str | None = None,
+    voxels: Cells = "solid",
     json: Flag = False,
 ) -> None:
     """Show what a segmentation costs, by term and part.
@@ -162,7 +180,7 @@ def explain(
     Parameters
     ----------
     source
-        A result (.json), or a mesh together with --parts.
+        A result (.json), or a shape together with --parts.
     recipe
         Recipe under which to evaluate.
     labels
@@ -170,13 +188,30 @@ def explain(
     minimize
         What to minimise; instead of the recipe's.
     parts
-        Labelling to evaluate: .seg (numbers in the order of the labels), .txt, .json or .ply.
+        Labelling to evaluate: .seg (numbers in the order of the labels), .txt, .json, .ply, .npz
+        or .npy.
+    adjacency
+        Which elements touch: what the shape knows of it, the nearest as well, or none.
+    volume
+        Estimate the enclosed volume: a number, "hull" or "winding".
+    voxels
+        Whether all cells of a voxel grid are elements, or only those of its surface.
     json
         Print JSON instead of a table.
     """
     from moseg_core.cli.explain import run_explain
 
-    run_explain(source, recipe=recipe, labels=labels, minimize=minimize, parts=parts, as_json=json)
+    run_explain(
+        source,
+        recipe=recipe,
+        labels=labels,
+        minimize=minimize,
+        parts=parts,
+        adjacency=adjacency,
+        volume=volume,
+        voxels=voxels,
+        as_json=json,
+    )
 
 
 @app.command
@@ -185,6 +220,7 @@ def evaluate(
     result: Path,
     /,
     *truths: Path,
+    voxels: Cells = "solid",
     rename: str | None = None,
     json: Flag = False,
 ) -> None:
@@ -203,11 +239,13 @@ def evaluate(
     Parameters
     ----------
     shape
-        The mesh that both label.
+        The mesh, point cloud or voxel grid that both label.
     result
-        Labelling to judge: .seg, .txt, .json or .ply.
+        Labelling to judge: .seg, .txt, .json, .ply, .npz or .npy.
     truths
         One or more labellings to compare with.
+    voxels
+        Whether all cells of a voxel grid are elements, or only those of its surface.
     rename
         Names of the result and what the truth calls them: given=true,given=true.
     json
@@ -215,7 +253,7 @@ def evaluate(
     """
     from moseg_core.cli.evaluate import run_evaluate
 
-    run_evaluate(shape, result, truths, rename=rename, as_json=json)
+    run_evaluate(shape, result, truths, voxels=voxels, rename=rename, as_json=json)
 
 
 @app.command

@@ -10,12 +10,16 @@ import math
 from typing import Any
 
 from moseg_core.aggregate import Evaluation
+from moseg_core.io.encode_arrays import check_grid, encode_npy, encode_npz
 from moseg_core.io.encode_glb import encode_glb
-from moseg_core.io.encode_ply import encode_ply
+from moseg_core.io.encode_ply import encode_ply, encode_points_ply
 from moseg_core.io.labels import encode_seg
 from moseg_core.io.saved import FORMAT
+from moseg_core.mesh import PolygonMesh
 from moseg_core.palette import part_colors
 from moseg_core.result import Result
+from moseg_core.shape import Shape
+from moseg_core.splats import drawable
 
 
 def write_json(result: Result) -> bytes:
@@ -95,20 +99,52 @@ def evaluation_document(evaluation: Evaluation) -> dict[str, Any]:
 
 
 def write_seg(result: Result) -> bytes:
-    """One label number a line, face by face."""
+    """One label number a line, element by element."""
     return encode_seg(result.labels)
 
 
 def write_ply(result: Result) -> bytes:
-    """The input's polygons with the colour and label of each."""
-    names = result.problem.labels
-    return encode_ply(result.shape.geometry, result.labels, names, part_colors(len(names)))
+    """The input's polygons with the colour and label of each; else one point per element."""
+    shape, names = result.shape, result.problem.labels
+    colors = part_colors(len(names))
+    if isinstance(shape.geometry, PolygonMesh):
+        return encode_ply(shape.geometry, result.labels, names, colors)
+    return encode_points_ply(shape, result.labels, names, colors)
+
+
+def write_npz(result: Result) -> bytes:
+    """Labels, names, places and areas as arrays."""
+    return encode_npz(result.shape, result.labels, result.problem.labels)
+
+
+def write_npy(result: Result) -> bytes:
+    """The voxel grid with the label of each cell."""
+    return encode_npy(result.shape, result.labels, result.problem.labels)
+
+
+def check_writable(suffix: str, shape: Shape) -> None:
+    """Refuse before the search what the writer of a suffix would refuse after it.
+
+    Parameters
+    ----------
+    suffix : str
+        Such as ".npy".
+    shape : Shape
+
+    Raises
+    ------
+    UsageError
+        The format cannot hold such a shape.
+    """
+    if suffix.lower() == ".npy":
+        check_grid(shape)
 
 
 def write_glb(result: Result) -> bytes:
     """A scene with one coloured node per part, named by its label."""
     names = result.problem.labels
-    return encode_glb(result.shape.geometry, result.labels, names, part_colors(len(names)))
+    drawn = drawable(result.shape.geometry)
+    return encode_glb(drawn, result.labels, names, part_colors(len(names)))
 
 
 def _dump(value: Any) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from moseg_core.result import Result
+from moseg_core.splats import drawable
 from moseg_core.view.picture import render_picture
 
 
@@ -10,4 +11,6 @@ def write_png(result: Result) -> bytes:
     """A picture from two sides, with a legend and the cost."""
     title = f"{result.shape.name}, cost {result.cost:.4g}"
     names = result.problem.labels
-    return render_picture(result.shape.geometry, result.labels, names, title=title)
+    shape = result.shape
+    drawn, areas = drawable(shape.geometry), shape.areas / shape.area
+    return render_picture(drawn, result.labels, names, title=title, areas=areas)
