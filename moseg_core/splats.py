@@ -21,7 +21,7 @@ _FACES = np.array(
 )
 
 #: Half of an octahedron's diagonal, in roots of a point's area.
-_WIDTH = 0.8
+_WIDTH = 1.0
 
 
 def drawable(geometry: Geometry) -> Geometry:

@@ -229,8 +229,7 @@ def _triangle_areas(mesh: Geometry) -> FloatArray:
     areas = np.linalg.norm(
         np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
     )
-    summed: FloatArray = np.bincount(mesh.triangle_polygon, areas, mesh.n_elements)
-    return summed
+    return np.bincount(mesh.triangle_polygon, areas, mesh.n_elements).astype(np.float64)
 
 
 def _legend(areas: FloatArray, labels: IntArray, names: Sequence[str]) -> list[LegendEntry]:
