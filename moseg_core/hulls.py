@@ -22,7 +22,7 @@ from moseg_core.cloud import PointCloud
 from moseg_core.geometry import Geometry
 from moseg_core.types import FloatArray
 
-_SAMPLES = 8_000
+_SAMPLES = 4_000
 _PLACES = 9
 
 #: A cut is worth while if it takes away this share of the whole hull.
