@@ -22,7 +22,7 @@ from moseg_core.cloud import PointCloud
 from moseg_core.geometry import Geometry
 from moseg_core.types import FloatArray
 
-_SAMPLES = 4_000
+_SAMPLES = 6_000
 _PLACES = 9
 
 #: A cut is worth while if it takes away this share of the whole hull.
@@ -53,28 +53,27 @@ def hulls_volume(geometry: Geometry) -> tuple[float, int]:
     >>> round(volume, 6), pieces
     (0.166667, 1)
     """
-    samples, spacing = _samples(geometry)
-    size = float(np.ptp(samples, axis=0).max())
+    vertices = geometry.vertices[np.unique(geometry.corners)]
+    middle, size = vertices.mean(axis=0), float(np.ptp(vertices, axis=0).max())
+    if size == 0.0:
+        return 0.0, 1
     # In units of its size, so that what counts as flat does not depend on units.
-    samples, spacing = (samples - samples.mean(axis=0)) / size, spacing / size
-    whole = _hull(samples)
+    whole = _hull((vertices - middle) / size)
     if whole < 1e-12:
         return 0.0, 1
-    volume, pieces = _cut(samples, whole, spacing, _WORTH * whole, _DEEPEST)
-    return volume * size**3, pieces
+    samples, spacing = _samples(geometry, vertices)
+    samples, spacing = (samples - middle) / size, spacing / size
+    volume, pieces = _cut(samples, _hull(samples), spacing, _WORTH * whole, _DEEPEST)
+    return (volume if pieces > 1 else whole) * size**3, pieces
 
 
-def _samples(geometry: Geometry) -> tuple[FloatArray, float]:
-    """Points all over the surface, and how far they are apart."""
+def _samples(geometry: Geometry, vertices: FloatArray) -> tuple[FloatArray, float]:
+    """Points all over the surface, not too many, and how far they are apart."""
     rng = np.random.default_rng(0)
-    vertices = geometry.vertices[np.unique(geometry.corners)]
+    if len(vertices) > _SAMPLES:
+        vertices = vertices[rng.choice(len(vertices), _SAMPLES, replace=False)]
     if isinstance(geometry, PointCloud):
-        kept = vertices
-        if len(vertices) > 2 * _SAMPLES:
-            hull = ConvexHull(vertices).vertices
-            some = rng.choice(len(vertices), 2 * _SAMPLES, replace=False)
-            kept = vertices[np.union1d(hull, some)]
-        return kept, float(np.sqrt(geometry.areas.sum() / len(kept)))
+        return vertices, float(np.sqrt(geometry.areas.sum() / len(vertices)))
     corners = geometry.vertices[geometry.triangles]
     edges = corners - corners[:, :1]
     areas = np.linalg.norm(np.cross(edges[:, 1], edges[:, 2]), axis=1) / 2.0
