@@ -48,8 +48,11 @@ _HOMES = {
     "Cost": "cost",
     "Interval": "parameters",
     "objective": "objectives",
+    "constraint": "rules",
     "Batch": "protocols",
     "Centers": "protocols",
+    "Constraint": "protocols",
+    "Embedding": "protocols",
     "Progress": "protocols",
     "Seeding": "protocols",
     "Problem": "problem",
@@ -58,6 +61,9 @@ _HOMES = {
     "Evaluation": "aggregate",
     "Evaluator": "evaluation",
     "Result": "result",
+    "Clipped": "clipping",
+    "clip": "clipping",
+    "clip_boundaries": "clipping",
     "segment": "pipeline",
     "load": "io",
     "save": "io",
@@ -69,6 +75,9 @@ __all__ = ["__version__", *_HOMES]
 
 if TYPE_CHECKING:
     from moseg_core.aggregate import Evaluation as Evaluation
+    from moseg_core.clipping import Clipped as Clipped
+    from moseg_core.clipping import clip as clip
+    from moseg_core.clipping import clip_boundaries as clip_boundaries
     from moseg_core.coarse import coarsen as coarsen
     from moseg_core.cost import Cost as Cost
     from moseg_core.errors import ExpressionError as ExpressionError
@@ -88,11 +97,14 @@ if TYPE_CHECKING:
     from moseg_core.problem import Problem as Problem
     from moseg_core.protocols import Batch as Batch
     from moseg_core.protocols import Centers as Centers
+    from moseg_core.protocols import Constraint as Constraint
+    from moseg_core.protocols import Embedding as Embedding
     from moseg_core.protocols import Progress as Progress
     from moseg_core.protocols import Seeding as Seeding
     from moseg_core.recipe import Recipe as Recipe
     from moseg_core.recipe import load_recipe as load_recipe
     from moseg_core.result import Result as Result
+    from moseg_core.rules import constraint as constraint
     from moseg_core.samples import sample_labels_path as sample_labels_path
     from moseg_core.samples import sample_path as sample_path
     from moseg_core.segmentation import Segmentation as Segmentation

@@ -13,6 +13,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from moseg_core.binding import BoundTerm
 from moseg_core.cost import Cost
 from moseg_core.errors import PluginError, UsageError
@@ -122,7 +124,7 @@ def evaluate_segmentation(
     broken_pins : int
         To be counted with the empty parts.
     """
-    empty = segmentation.summary.empty(segmentation.shape).tolist()
+    empty = empty_parts(terms, segmentation)
     values: Values = [
         [call_value(term, call, segmentation, empty, labels) for call in term.calls]
         for term in terms
@@ -148,6 +150,14 @@ def evaluate_segmentation(
     )
 
 
+def empty_parts(terms: Sequence[BoundTerm], segmentation: Segmentation) -> list[bool]:
+    """Which parts are empty, or have no extent in one of the spaces that terms look at them in."""
+    spaces = dict.fromkeys([segmentation.level.space, *(term.space for term in terms)])
+    views = [segmentation.view(space) for space in spaces]
+    empty: list[bool] = np.any([v.summary.empty(v.shape) for v in views], axis=0).tolist()
+    return empty
+
+
 def leaves_out(term: BoundTerm, call: tuple[int, ...], empty: Sequence[bool]) -> bool:
     """Whether a call would receive an empty part, and is therefore left out of the sum."""
     concerned = range(len(empty)) if term.objective.traits.arity == "global" else call
@@ -171,6 +181,7 @@ def call_value(
     """
     if leaves_out(term, call, empty):
         return None
+    segmentation = segmentation.view(term.space)
     parts = segmentation.parts
     level = segmentation.level
     concerned = range(len(parts)) if term.objective.traits.arity == "global" else call

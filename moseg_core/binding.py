@@ -36,6 +36,8 @@ class BoundTerm:
     parameters : dict of str to value
     calls : tuple of tuple of int
         For each call the indices of the labels whose parts it receives.
+    space : str
+        Where the parts are that it receives: "original", or the name of an embedding (Sec. 9).
     """
 
     term: Term
@@ -44,6 +46,7 @@ class BoundTerm:
     objective: Objective
     parameters: dict[str, Any]
     calls: tuple[tuple[int, ...], ...]
+    space: str = "original"
 
     @property
     def weight(self) -> float:
@@ -80,6 +83,9 @@ def bind(
     labels: Sequence[str],
     objectives: Mapping[str, Objective],
     registry: Registry,
+    *,
+    spaces: Sequence[str] = ("original",),
+    space: str = "original",
 ) -> tuple[BoundTerm, ...]:
     """Look up everything that an expression names.
 
@@ -90,18 +96,38 @@ def bind(
     objectives : mapping of str to Objective
         Objectives given in Python; they come before installed ones of the same name.
     registry : Registry
+    spaces : sequence of str
+        Where terms can be evaluated.
+    space : str
+        Where those are that do not say.
 
     Raises
     ------
     ExpressionError
-        Unknown objective, label or parameter, with the nearest name; wrong number of labels.
+        Unknown objective, label, space or parameter, with the nearest name; wrong number of labels.
     PluginError
         An objective whose bundle is broken.
     """
+    text = expression.text or str(expression)
     return tuple(
-        _bind_term(term, expression.text or str(expression), labels, objectives, registry)
+        replace(
+            _bind_term(term, text, labels, objectives, registry),
+            space=_space(term, text, spaces, space),
+        )
         for term in expression.terms
     )
+
+
+def _space(term: Term, text: str, spaces: Sequence[str], default: str) -> str:
+    """Where a term is evaluated."""
+    if not term.space:
+        return default
+    if term.space not in spaces:
+        reason = unknown("space", term.space, spaces)
+        if len(spaces) == 1:
+            reason = f"there is no space '{term.space}'; an embedding of that name has to be given"
+        raise ExpressionError(reason, text, *term.space_span)
+    return term.space
 
 
 def _bind_term(
@@ -113,14 +139,7 @@ def _bind_term(
 ) -> BoundTerm:
     identifier, distribution, target = _find(term, text, labels, objectives, registry)
     traits = target.traits
-    chosen: list[int] = []
-    for argument in term.arguments:
-        for index in _match(argument, text, labels):
-            if index in chosen:
-                raise ExpressionError(
-                    f"label '{labels[index]}' is given twice to '{term.name}'", text, *argument.span
-                )
-            chosen.append(index)
+    chosen = chosen_labels(term, text, labels)
     _check_count(term, text, target, len(chosen))
     parameters: dict[str, Any] = {}
     optional = tuple(replace(parameter, required=False) for parameter in target.parameters)
@@ -177,6 +196,25 @@ def _find(
             f" it with @moseg_core.objective"
         )
     return component.id, component.distribution, target
+
+
+def chosen_labels(term: Term, text: str, labels: Sequence[str]) -> list[int]:
+    """Indices of the labels that a call names, globs in the order of the labels.
+
+    Raises
+    ------
+    ExpressionError
+        An unknown label, one that comes twice, or a glob that matches none.
+    """
+    chosen: list[int] = []
+    for argument in term.arguments:
+        for index in _match(argument, text, labels):
+            if index in chosen:
+                raise ExpressionError(
+                    f"label '{labels[index]}' is given twice to '{term.name}'", text, *argument.span
+                )
+            chosen.append(index)
+    return chosen
 
 
 def _match(argument: Argument, text: str, labels: Sequence[str]) -> list[int]:

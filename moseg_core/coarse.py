@@ -106,6 +106,7 @@ def contract(shape: Shape, members: IntArray, resolution: str) -> Shape:
         second_moments=_sums(members, shape.second_moments, count),
         adjacency=adjacency,
         resolution=resolution,
+        original=None if shape.original is None else contract(shape.original, members, resolution),
         fine=shape,
         members=members,
     )

@@ -16,6 +16,7 @@ from moseg_core.aggregate import (
     Evaluation,
     Values,
     call_value,
+    empty_parts,
     evaluate_segmentation,
     leaves_out,
     weighted_sum,
@@ -39,6 +40,7 @@ class Evaluator:
     Parameters
     ----------
     shape : Shape
+        The one that the partition is of: embedded, where the problem has an embedding.
     problem : Problem
     parameterization : Parameterization
     pins : Pins, optional
@@ -50,6 +52,8 @@ class Evaluator:
 
     Attributes
     ----------
+    constraints : Constraints
+        What the problem asks of the parameterization's vectors.
     evaluations : int
         Number of candidates whose costs were asked for so far.
     """
@@ -68,6 +72,7 @@ class Evaluator:
         self.shape = shape
         self.problem = problem
         self.parameterization = parameterization
+        self.constraints = problem.constrain(parameterization, shape)
         self.pins = pins
         self.memo = Memo() if memo is None else memo
         self.evaluations = 0
@@ -145,6 +150,8 @@ class Evaluator:
     def labelled_costs(self, vectors: FloatArray) -> list[tuple[IntArray, Cost]]:
         """For each vector the best labels by the unary objectives, and the cost under them.
 
+        Labels that are in different roles of the constraints are not exchanged.
+
         Parameters
         ----------
         vectors : (B, m) float
@@ -159,7 +166,9 @@ class Evaluator:
         found = []
         for labels in self.parameterization.labels(vectors):
             segmentation = self.segmentation(labels)
-            order = UnaryCosts(self.problem, segmentation, self.pins).assign()
+            order = UnaryCosts(self.problem, segmentation, self.pins).assign(
+                self.constraints.groups
+            )
             found.append((order, self.order_cost(segmentation, order)))
         return found
 
@@ -201,7 +210,7 @@ class _Candidate:
         self.terms = evaluator.problem.terms
         self.names = evaluator.problem.labels
         self.segmentation = segmentation
-        self.empty: list[bool] = segmentation.summary.empty(segmentation.shape).tolist()
+        self.empty = empty_parts(self.terms, segmentation)
         self.violations = sum(self.empty) + evaluator.pins.broken(segmentation.level_labels)
         self.values: Values = [
             [None if leaves_out(term, call, self.empty) else _least(term) for call in term.calls]

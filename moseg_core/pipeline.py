@@ -15,20 +15,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from moseg_core.choice import Choice, Ready, prepare
 from moseg_core.coarse import coarse_pins
 from moseg_core.errors import UsageError, unknown
 from moseg_core.evaluation import Evaluator
-from moseg_core.method import (
-    Choice,
-    Method,
-    Ready,
-    prepare,
-    read_finalists,
-    read_resolution,
-    read_restarts,
-    settled,
-    tuned,
-)
+from moseg_core.method import Method, read_finalists, read_resolution, read_restarts, settled, tuned
 from moseg_core.pins import read_pins
 from moseg_core.problem import Problem
 from moseg_core.protocols import Centers, Parameterization, Progress, Report
@@ -164,13 +155,14 @@ def segment(
     begin = _start_centers(start, problem)
     pinned = read_pins(pins or {}, problem.labels, shape.n_elements)
     n = len(problem.labels)
-    whole = Evaluator(shape, problem, ready["parameterization"].make(shape, n), pins=pinned)
-    listener = Listener(report or _silent)
     deadline = None if max_seconds is None else time.monotonic() + max_seconds
+    place = problem.embed(shape)
+    whole = Evaluator(place, problem, ready["parameterization"].make(place, n), pins=pinned)
+    listener = Listener(report or _silent)
 
-    level = searched_shape(shape, size, pinned)
+    level = searched_shape(place, size, pinned)
     rough = whole
-    if level is not shape:
+    if level is not place:
         partition: Parameterization = ready["parameterization"].make(level, n)
         rough = Evaluator(level, problem, partition, pins=coarse_pins(pinned, level), input=whole)
         ready = rougher(ready, settings)
@@ -194,7 +186,7 @@ def segment(
         reason = "seconds"
     stopped = reason in ("interrupted", "seconds")
     labels = whole.labels(best.vector)
-    segmentation = whole.segmentation(labels)
+    segmentation = whole.segmentation(labels).view(shape.space)
     evaluation = whole.evaluate_labels(labels)
     warnings = [outcome.warning for outcome in outcomes[:1] if outcome.warning]
     warnings += find_warnings(evaluation, segmentation, problem.labels, reason)
@@ -217,6 +209,7 @@ def segment(
                 kind: str(Choice(ready[kind].component.id, ready[kind].parameters))
                 for kind in _KINDS
             },
+            **({"embedding": str(problem.embedding)} if problem.embedding else {}),
             "settings": settings,
             "resolution": str(size),
             "restarts": str(starts if stopped else len(outcomes)),
@@ -225,6 +218,7 @@ def segment(
         seed=seed,
         versions=_versions(problem, ready),
         reason=reason,
+        dimension=(whole.constraints.n_free, whole.constraints.n_all),
         warnings=tuple(warnings),
     )
 
@@ -308,7 +302,7 @@ def prepare_method(
     Raises
     ------
     UsageError, PluginError
-        See :func:`moseg_core.method.prepare`.
+        See :func:`moseg_core.choice.prepare`.
     """
     ready = {}
     for kind in _KINDS:
@@ -320,7 +314,9 @@ def prepare_method(
 
 def _versions(problem: Problem, ready: Mapping[Kind, Ready]) -> dict[str, str]:
     used = {term.id: term.distribution for term in problem.terms}
-    used |= {r.component.id: r.component.distribution for r in ready.values()}
+    used |= {rule.id: rule.distribution for rule in problem.rules}
+    chosen = [*ready.values(), *([problem.bending] if problem.bending else [])]
+    used |= {r.component.id: r.component.distribution for r in chosen}
     return dict(sorted(used.items()))
 
 

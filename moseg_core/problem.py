@@ -1,5 +1,8 @@
 """A problem: the labels that a shape should get, and what makes a labelling good (Sec. 3).
 
+To it belong constraints on the centres (Sec. 8, :mod:`moseg_core.constraints`), and the embedding
+in which the partition lives and terms may be evaluated (Sec. 9).
+
 The whole expression is checked when the problem is made, before any shape is read: names,
 numbers of labels, parameters. Whether a particular shape has what the objectives require is
 checked when the two meet, and before the search.
@@ -9,20 +12,29 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
+from typing import Any
+from weakref import WeakKeyDictionary
 
 import numpy.typing as npt
 
 from moseg_core.aggregate import Evaluation, evaluate_segmentation
 from moseg_core.binding import BoundTerm, bind
-from moseg_core.errors import ShapeError, UsageError
+from moseg_core.choice import Choice, Ready, prepare
+from moseg_core.constraints import Constraints
+from moseg_core.errors import PluginError, ShapeError, UsageError, unknown
 from moseg_core.language import Expression, parse
 from moseg_core.memo import Memo
 from moseg_core.objectives import Requirement, objective
 from moseg_core.plugins import Registry, measure_resolver, registry
-from moseg_core.protocols import Objective
+from moseg_core.protocols import Objective, Parameterization
+from moseg_core.rules import bind_rules
 from moseg_core.segmentation import Segmentation
 from moseg_core.shape import Shape
+
+ORIGINAL = "original"
+"""The space of a shape as the user gave it."""
 
 _LABEL = re.compile(r"\w+\Z", re.ASCII)
 
@@ -39,6 +51,16 @@ class Problem:
     objectives : mapping of str to objective, optional
         Objectives of your own, without a package: functions decorated with
         :func:`moseg_core.objective`, or plain ones with an annotated first argument.
+    constraints : sequence of str or callable, optional
+        What centres must obey (Sec. 8): calls such as ``"mirror(leg2, leg1)"``, or functions
+        decorated with :func:`moseg_core.constraint`.
+    plane : str, optional
+        The plane of symmetry, for constraints that need one and are not given one: "auto", an
+        axis of the file, or what else they understand.
+    embedding : str, mapping or Choice, optional
+        A deformation of the shape in which the partition is found, such as "mds" (Sec. 9).
+    space : str, optional
+        Where terms are evaluated that do not say, "original" or the embedding's name.
     registry : Registry, optional
         Where to look for installed objectives; everything installed by default.
 
@@ -47,7 +69,7 @@ class Problem:
     ExpressionError
         The expression is malformed or names something unknown; points at the place.
     UsageError
-        No labels, malformed or repeated ones, or an objective that is none.
+        No labels, malformed or repeated ones, or an objective or constraint that is none.
 
     Examples
     --------
@@ -64,6 +86,10 @@ class Problem:
         minimize: str | Expression,
         *,
         objectives: Mapping[str, Objective | Callable[..., float]] | None = None,
+        constraints: Sequence[str | Callable[..., Any]] = (),
+        plane: str | None = None,
+        embedding: str | Mapping[str, Any] | Choice | None = None,
+        space: str | None = None,
         registry: Registry | None = None,
     ) -> None:
         self.labels = check_label_names(labels)
@@ -72,8 +98,27 @@ class Problem:
         self.expression = parse(minimize) if isinstance(minimize, str) else minimize
         self._own = {name: _as_objective(name, f) for name, f in (objectives or {}).items()}
         self._registry = registry
+        self.plane = plane
+        self.embedding = None if embedding is None else Choice.read(embedding, "embedding")
         # Bound at once, so that a mistake shows where it is made.
-        self.terms = bind(self.expression, self.labels, self._own, self.registry)
+        self.bending: Ready | None = None
+        if self.embedding is not None:
+            self.bending = prepare(self.embedding, "embedding", self.registry)
+        spaces = [ORIGINAL, *([self.bending.component.spec.name] if self.bending else [])]
+        self.space = ORIGINAL if space is None else space
+        if self.space not in spaces:
+            hint = "" if self.embedding else "; give the embedding too"
+            raise UsageError(unknown("space", self.space, spaces) + hint)
+        self.terms = bind(
+            self.expression,
+            self.labels,
+            self._own,
+            self.registry,
+            spaces=spaces,
+            space=self.space,
+        )
+        self.rules = bind_rules(constraints, self.labels, self.registry, plane)
+        self._embedded: WeakKeyDictionary[Shape, Shape] = WeakKeyDictionary()
 
     def __repr__(self) -> str:
         return f"Problem({list(self.labels)!r}, {str(self.expression)!r})"
@@ -87,6 +132,69 @@ class Problem:
     def unary_terms(self) -> tuple[BoundTerm, ...]:
         """The terms about single parts, on which labels are assigned (Sec. 6)."""
         return tuple(term for term in self.terms if term.objective.traits.arity == "unary")
+
+    @cached_property
+    def alike(self) -> tuple[tuple[int, ...], ...]:
+        """Classes of labels of which the unary terms say the same, such as four legs."""
+        said = {
+            label: tuple(
+                (term.memo_key, term.weight, term.space)
+                for term in self.unary_terms
+                if (label,) in term.calls
+            )
+            for label in range(len(self.labels))
+        }
+        classes: list[list[int]] = []
+        for label in said:
+            for group in classes:
+                if said[group[0]] == said[label]:
+                    group.append(label)
+                    break
+            else:
+                classes.append([label])
+        return tuple(tuple(group) for group in classes)
+
+    def embed(self, shape: Shape) -> Shape:
+        """The shape in which the partition is found: embedded, or as it is (Sec. 9).
+
+        Parameters
+        ----------
+        shape : Shape
+            Of input elements, as the user gave it.
+
+        Returns
+        -------
+        Shape
+            Computed once for each shape.
+
+        Raises
+        ------
+        ShapeError
+            The shape cannot be embedded.
+        PluginError
+            The embedding broke its contract.
+        """
+        ready = self.bending
+        if ready is None or shape.original is not None:
+            return shape
+        if shape not in self._embedded:
+            name = ready.component.spec.name
+            with ready.guard():
+                bent = ready.make()(shape)
+            if not isinstance(bent, Shape) or bent.n_elements != shape.n_elements:
+                raise PluginError(f"{ready.who} must return a Shape of the same elements")
+            self._embedded[shape] = replace(bent, space=name, original=shape)
+        return self._embedded[shape]
+
+    def constrain(self, partition: Parameterization, shape: Shape) -> Constraints:
+        """The constraints on the vectors of a partition of a shape (Sec. 8).
+
+        Raises
+        ------
+        UsageError
+            They contradict each other, or the shape has no plane that they need.
+        """
+        return Constraints(self.rules, partition, shape, self.labels)
 
     def check(self, shape: Shape) -> None:
         """Refuse a shape that this problem cannot be solved on.
@@ -102,8 +210,9 @@ class Problem:
                 f" {len(self.labels)} labels"
             )
         for term in self.terms:
+            seen = shape.in_space(term.space)
             for requirement in sorted(term.objective.traits.requires):
-                lack = _lack(shape, requirement)
+                lack = _lack(seen, requirement)
                 if lack is not None:
                     raise ShapeError(f"'{term.term.name}' needs {lack}")
 
@@ -136,6 +245,8 @@ class Problem:
         >>> round(found.cost.value, 6), found.terms[0].text
         (0.166667, 'narrow(a)')
         """
+        if any(term.space != ORIGINAL for term in self.terms):
+            shape = self.embed(shape)
         self.check(shape)
         measures = measure_resolver(self.registry)
         segmentation = Segmentation.from_labels(

@@ -256,6 +256,9 @@ class Constraint(Protocol):
     constraint *determines* the rows of some labels, from the rows of those that it *reads* and
     from ``n_free`` numbers of its own, which the search sees in place of the rows. The core
     composes several (:mod:`moseg_core.constraints`).
+
+    A class whose attribute ``each`` is true is about single labels: given several in a recipe, it
+    is made once for each of them, and their centres may be exchanged.
     """
 
     @property

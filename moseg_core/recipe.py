@@ -10,6 +10,13 @@
     resolution = 2000                       # optional; or "full"
     restarts = 4                            # optional, as is finalists
 
+A shape that is known to be symmetric, or that is to be unfolded, adds (Sec. 8 and 9)::
+
+    constraints = ["on_plane(head, body)", "mirror(leg2, leg1)"]
+    plane = "auto"                          # where the constraints do not say
+    embedding = "mds"                       # where the partition lives
+    space = "mds"                           # where terms are evaluated that do not say
+
 Bundles bring recipes through the hook ``moseg_recipes``; anybody else gives a path.
 """
 
@@ -21,13 +28,15 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from moseg_core.choice import Choice
 from moseg_core.errors import PluginError, UsageError, unknown
 from moseg_core.language import parse
-from moseg_core.method import Choice, Method, read_finalists, read_resolution, read_restarts
+from moseg_core.method import Method, read_finalists, read_resolution, read_restarts
 from moseg_core.plugins import Registry, registry
-from moseg_core.problem import check_label_names
+from moseg_core.problem import Problem, check_label_names
 from moseg_core.specs import Kind
 
+_PROBLEM_KEYS = ("constraints", "plane", "embedding", "space")
 _METHOD_KEYS: tuple[Kind, ...] = ("parameterization", "seeder", "labeler", "optimizer")
 _EXTENT: dict[str, Callable[[object], Any]] = {
     "resolution": read_resolution,
@@ -47,6 +56,11 @@ class Recipe:
     minimize : str
     method : Method
     description : str
+    constraints : tuple of str
+    plane : str or None
+    embedding : Choice or None
+    space : str or None
+        See :class:`moseg_core.Problem`.
     """
 
     name: str
@@ -54,6 +68,33 @@ class Recipe:
     minimize: str
     method: Method = field(default_factory=Method)
     description: str = ""
+    constraints: tuple[str, ...] = ()
+    plane: str | None = None
+    embedding: Choice | None = None
+    space: str | None = None
+
+    def problem(self, *, source: Registry | None = None) -> Problem:
+        """The problem that the recipe states.
+
+        Raises
+        ------
+        UsageError, PluginError
+            See :class:`moseg_core.Problem`.
+
+        Examples
+        --------
+        >>> load_recipe("hammer").problem().labels
+        ('handle', 'head')
+        """
+        return Problem(
+            self.labels,
+            self.minimize,
+            constraints=self.constraints,
+            plane=self.plane,
+            embedding=self.embedding,
+            space=self.space,
+            registry=source,
+        )
 
 
 def parse_recipe(text: str, name: str) -> Recipe:
@@ -79,19 +120,27 @@ def parse_recipe(text: str, name: str) -> Recipe:
         table = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise UsageError(f"recipe '{name}' is not valid TOML: {error}") from error
-    allowed = ("description", "labels", "minimize", *_METHOD_KEYS, *_EXTENT)
+    allowed = ("description", "labels", "minimize", *_PROBLEM_KEYS, *_METHOD_KEYS, *_EXTENT)
     for key in table:
         if key not in allowed:
             raise UsageError(f"recipe '{name}': {unknown('key', key, allowed)}")
     given = _required(table, "labels", list, name)
     minimize = _required(table, "minimize", str, name)
     description = _required({"description": ""} | table, "description", str, name)
+    constraints = _required({"constraints": []} | table, "constraints", list, name)
+    words = {key: _required(table, key, str, name) for key in ("plane", "space") if key in table}
     try:
         labels = check_label_names(given)
         choices: dict[str, Any] = {
             key: Choice.read(table[key], key) for key in _METHOD_KEYS if key in table
         }
         extent = {key: read(table[key]) for key, read in _EXTENT.items() if key in table}
+        embedding = None
+        if "embedding" in table:
+            embedding = Choice.read(table["embedding"], "embedding")
+        for text in constraints:
+            if not isinstance(text, str):
+                raise UsageError(f"a constraint is a text such as 'mirror(a, b)', not {text!r}")
     except UsageError as error:
         raise UsageError(f"recipe '{name}': {error}") from error
     return Recipe(
@@ -100,6 +149,9 @@ def parse_recipe(text: str, name: str) -> Recipe:
         minimize=minimize,
         method=Method(**choices, **extent),
         description=description,
+        constraints=tuple(constraints),
+        embedding=embedding,
+        **words,
     )
 
 
@@ -165,7 +217,7 @@ def said_in_full(text: str, full: Callable[[str], str | None], source: Registry)
 
 def _required(table: Mapping[str, Any], key: str, kind: type, name: str) -> Any:
     if not isinstance(table.get(key), kind):
-        what = "a list of names" if kind is list else "a text"
+        what = "a list of texts" if kind is list else "a text"
         found = repr(table[key]) if key in table else "missing"
         raise UsageError(f"recipe '{name}': '{key}' must be {what}; it is {found}")
     return table[key]

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
+from typing import TYPE_CHECKING
 
 from moseg_core.aggregate import Evaluation
 from moseg_core.part import Part
@@ -14,7 +15,11 @@ from moseg_core.problem import Problem
 from moseg_core.protocols import Centers
 from moseg_core.segmentation import Segmentation
 from moseg_core.shape import Shape
-from moseg_core.types import Int32Array, frozen
+from moseg_core.types import Int32Array, IntArray, frozen
+
+if TYPE_CHECKING:
+    from moseg_core.clipping import Clipped
+    from moseg_core.geometry import Geometry
 
 #: Below this share of the area a part is worth a warning.
 _SLIVER = 0.005
@@ -27,13 +32,17 @@ class Result:
     Parameters
     ----------
     shape : Shape
+        As the user gave it.
     problem : Problem
     labels : (F,) int32
         Index into ``problem.labels`` for every input face, in file order.
     evaluation : Evaluation
         Cost by term and part, of these labels.
     centers : Centers
-        One centre per label, in model units.
+        One centre per label, in units of :attr:`partitioned`.
+    dimension : (int, int)
+        How many numbers the search had to find, and how many describe the segmentation; they
+        differ where constraints give some from others.
     history : mapping of str to tuple of dict
         For each stage a record per round or iteration.
     method : mapping of str to str
@@ -44,6 +53,9 @@ class Result:
     reason : str
         Why the search ended: "converged", or the limit that it met.
     warnings : tuple of str
+    clipped : Clipped or None
+        The surface with its boundaries cut below mesh resolution
+        (:func:`moseg_core.clipping.clip`).
     """
 
     shape: Shape
@@ -56,7 +68,9 @@ class Result:
     seed: int
     versions: Mapping[str, str]
     reason: str
+    dimension: tuple[int, int] = (0, 0)
     warnings: tuple[str, ...] = ()
+    clipped: Clipped | None = None
 
     def __post_init__(self) -> None:
         for array in (self.labels, self.centers.positions, self.centers.weights):
@@ -70,6 +84,18 @@ class Result:
     def cost(self) -> float:
         """Value of the aggregate objective."""
         return self.evaluation.cost.value
+
+    @property
+    def partitioned(self) -> Shape:
+        """The shape that the partition is of: `shape`, or what the embedding made of it."""
+        return self.problem.embed(self.shape)
+
+    @property
+    def surface(self) -> tuple[Geometry, Int32Array | IntArray]:
+        """What to show: a geometry and a label for each element, clipped where it was."""
+        if self.clipped is None:
+            return self.shape.geometry, self.labels
+        return self.clipped.mesh, self.clipped.labels
 
     @cached_property
     def segmentation(self) -> Segmentation:

@@ -2,8 +2,9 @@
 
 A run can be paused and go on later: of several starts (:mod:`moseg_core.starts`) those that look
 poor after a while are not finished. The optimizer may see fewer coordinates than the
-parameterization has: those of frozen labels stay as they are at the start. Everything else about
-a run, how it is seeded and labelled, is decided by the components that it is given.
+parameterization has: what constraints determine (:mod:`moseg_core.constraints`) is left out, and
+those of frozen labels stay as they are at the start. Everything else about a run, how it is seeded
+and labelled, is decided by the components that it is given.
 """
 
 from __future__ import annotations
@@ -15,15 +16,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from moseg_core.cost import Cost
+from moseg_core.choice import Ready
+from moseg_core.constraints import Constraints
+from moseg_core.cost import WORST, Cost
 from moseg_core.errors import PluginError, UsageError
 from moseg_core.evaluation import Evaluator
-from moseg_core.method import Ready
 from moseg_core.protocols import (
     Batch,
     Centers,
     Optimizer,
-    Parameterization,
     Progress,
     Report,
     Seeding,
@@ -66,9 +67,10 @@ class Run:
     ----------
     search : Optimizer or None
         None where no coordinate is free.
-    base : (m,) float
-        Where it began, with the values of the coordinates that are not free.
-    free : (m,) bool
+    base : (k,) float
+        Where it began, in the coordinates that the constraints leave, with the values of those
+        that are not free.
+    free : (k,) bool
         The coordinates that the optimizer sees.
     stage : str
         What to call it in reports and in the history.
@@ -123,6 +125,8 @@ def begin(
         vector = partition.encode(Centers(positions=seeding.centers, weights=np.ones(n)))
         if not seeding.labelled:
             vector = partition.permute(vector, _label(ready["labeler"], evaluator, vector))
+            order = evaluator.constraints.nearest_order(vector, evaluator.problem.alike)
+            vector = partition.permute(vector, order)
     else:
         vector = partition.encode(start)
     if not (
@@ -133,7 +137,7 @@ def begin(
         if start is not None:
             raise UsageError("the start must have finite centres and positive, finite weights")
         raise PluginError(f"{ready['seeder'].who} placed centres outside the bounds")
-    vector = _towards_pins(evaluator, vector, frozen)
+    vector = _towards_pins(evaluator, evaluator.constraints.feasible(vector), frozen)
     return set_up(
         evaluator,
         ready["optimizer"],
@@ -155,16 +159,17 @@ def set_up(
     stage: str,
     seeding: Seeding | None = None,
 ) -> Run:
-    """An optimizer over the coordinates that are not frozen."""
-    partition = evaluator.parameterization
-    free = _free(partition, vector, frozen)
+    """An optimizer over the coordinates that neither constraints determine nor labels freeze."""
+    rules = evaluator.constraints
+    base = rules.reduce(vector)
+    free = _free(rules, frozen)
     search: Optimizer | None = None
     if free.any():
-        bounds = partition.lower[free], partition.upper[free], partition.scale[free]
-        search = ready.make(vector[free], *bounds, rng=rng)
+        bounds = rules.lower[free], rules.upper[free], rules.scale[free]
+        search = ready.make(base[free].clip(bounds[0], bounds[1]), *bounds, rng=rng)
     return Run(
         search=search,
-        base=vector,
+        base=base,
         free=free,
         stage=stage,
         seeding=tuple(seeding.history) if seeding else (),
@@ -204,9 +209,10 @@ def go_on(
     seeding = {} if stage == "polish" else {"seeding": run.seeding}
     search = run.search
     if search is None:
-        cost = evaluator.evaluate(run.base).cost
+        vector = evaluator.constraints.expand(run.base[None])[0]
+        cost = evaluator.evaluate(vector).cost
         return Outcome(
-            vector=run.base,
+            vector=vector,
             cost=cost,
             reason="converged",
             history={**seeding, stage: ()},
@@ -216,7 +222,7 @@ def go_on(
     with ready.guard():
         (found, cost), records = search.best, _plain_records(search.history)
     return Outcome(
-        vector=_expand(found[None], run.base, run.free)[0],
+        vector=evaluator.constraints.expand(_filled(found[None], run.base, run.free))[0],
         cost=cost,
         reason=reason,
         history={**seeding, stage: records},
@@ -240,7 +246,7 @@ def _ask_and_tell(
         if run.evaluations >= until:
             return "paused"
         batch = _ask(ready, search, int(run.free.sum()))
-        costs = evaluator.costs(replace(batch, vectors=_expand(batch.vectors, run.base, run.free)))
+        costs = _costs(evaluator, batch, _filled(batch.vectors, run.base, run.free))
         with ready.guard():
             search.tell(costs)
             finished, best, fraction = search.finished, search.best[1], search.progress
@@ -253,11 +259,25 @@ def _ask_and_tell(
     return finished
 
 
-def _free(partition: Parameterization, vector: FloatArray, frozen: Sequence[int]) -> BoolArray:
-    """(m,) bool: the coordinates that do not belong to a frozen label."""
-    free = np.ones(len(vector), np.bool_)
+def _costs(evaluator: Evaluator, batch: Batch, free: FloatArray) -> list[Cost]:
+    """Costs of a batch; those that constraints lead out of the bounds are as bad as can be."""
+    vectors = evaluator.constraints.expand(free)
+    inside = evaluator.constraints.within(vectors)
+    if inside.all():
+        return evaluator.costs(replace(batch, vectors=vectors))
+    costs = [WORST] * len(vectors)
+    if inside.any():
+        found = evaluator.costs(replace(batch, vectors=vectors[inside]))
+        for k, cost in zip(np.flatnonzero(inside).tolist(), found, strict=True):
+            costs[k] = cost
+    return costs
+
+
+def _free(rules: Constraints, frozen: Sequence[int]) -> BoolArray:
+    """(k,) bool: the coordinates that do not decide about a frozen label."""
+    free = np.ones(rules.n_free, np.bool_)
     for label in frozen:
-        free[partition.coordinates(label)] = False
+        free[rules.coordinates(label)] = False
     return free
 
 
@@ -276,14 +296,15 @@ def _towards_pins(evaluator: Evaluator, vector: FloatArray, frozen: Sequence[int
         for place in [pinned.mean(axis=0), *pinned[:_PLACES]]:
             positions = centers.positions.copy()
             positions[label] = place
-            tried.append(partition.encode(replace(centers, positions=positions)))
+            moved = partition.encode(replace(centers, positions=positions))
+            tried.append(evaluator.constraints.feasible(moved))
         costs = evaluator.costs(Batch(vectors=np.stack(tried), best_only=True))
         vector = tried[min(range(len(costs)), key=lambda k: (costs[k], k))]
     return vector
 
 
-def _expand(vectors: FloatArray, base: FloatArray, free: BoolArray) -> FloatArray:
-    """(B, m) whole vectors from the free coordinates."""
+def _filled(vectors: FloatArray, base: FloatArray, free: BoolArray) -> FloatArray:
+    """(B, k) vectors with the coordinates that are not free at their base."""
     whole = np.repeat(base[None], len(vectors), axis=0)
     whole[:, free] = vectors
     return whole

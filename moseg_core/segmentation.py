@@ -10,7 +10,7 @@ same: the user's shape, a label for each of its elements, parts made of them.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -115,6 +115,25 @@ class Segmentation:
 
     def __repr__(self) -> str:
         return f"Segmentation({self.shape.name}: {self.n_parts} parts)"
+
+    @cached_property
+    def _views(self) -> dict[str, Segmentation]:
+        return {self.level.space: self}
+
+    def view(self, space: str) -> Segmentation:
+        """The same labels on another version of the shape, such as "original" (Sec. 9).
+
+        Raises
+        ------
+        ShapeError
+            The shape is not known in that space.
+        """
+        if space not in self._views:
+            level = self.level.in_space(space)
+            self._views[space] = replace(
+                self, level=level, summary=Summary.of(level, self.level_labels, self.n_parts)
+            )
+        return self._views[space]
 
     @classmethod
     def from_labels(

@@ -104,6 +104,9 @@ class Shape:
         What was noticed on the way in: degenerate faces, several components, holes.
     space, resolution : str
         Which version of the user's shape this is; part of every memo key.
+    original : Shape or None
+        The shape that this one was deformed from (:meth:`deformed`), of the same resolution;
+        None where it lies as the user gave it.
     fine : Shape or None
         The shape whose elements are grouped here (:func:`moseg_core.coarse.coarsen`); None where
         the elements are those of the input.
@@ -123,6 +126,7 @@ class Shape:
     notes: tuple[str, ...] = ()
     space: str = "original"
     resolution: str = "full"
+    original: Shape | None = None
     fine: Shape | None = None
     members: IntArray | None = None
     name: str = field(default="shape")
@@ -458,12 +462,27 @@ class Shape:
             volume_reason=reason,
             notes=self.notes,
             space=space,
+            original=self,
         )
 
     @property
     def n_elements(self) -> int:
         """Number of surface elements, F."""
         return len(self.areas)
+
+    def in_space(self, space: str) -> Shape:
+        """The version of this shape in a space: itself, or the one it was deformed from.
+
+        Raises
+        ------
+        ShapeError
+            It is not known in that space.
+        """
+        if space == self.space:
+            return self
+        if self.original is not None and space == self.original.space:
+            return self.original
+        raise ShapeError(f"'{self.name}' is not known in the space '{space}'")
 
     @property
     def noun(self) -> str:

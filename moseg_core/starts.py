@@ -21,10 +21,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from moseg_core.choice import Choice, Ready, prepare
 from moseg_core.coarse import coarsen
 from moseg_core.errors import UsageError
 from moseg_core.evaluation import Evaluator
-from moseg_core.method import Choice, Ready, prepare
 from moseg_core.pins import Pins
 from moseg_core.protocols import Centers, Progress, Report
 from moseg_core.search import Outcome, Run, begin, go_on, set_up

@@ -9,10 +9,13 @@ better; if not, what it uses is evaluated and the assignment sought again.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from moseg_core.aggregate import call_value
+from moseg_core.aggregate import call_value, empty_parts
+from moseg_core.constraints import Group
 from moseg_core.pins import NO_PINS, Pins
 from moseg_core.problem import Problem
 from moseg_core.segmentation import Segmentation
@@ -43,7 +46,7 @@ class UnaryCosts:
         n = len(problem.labels)
         self._broken = pins.broken_by_part(segmentation.level_labels, n)
         self._segmentation = segmentation
-        self._empty: list[bool] = segmentation.summary.empty(segmentation.shape).tolist()
+        self._empty = empty_parts(problem.terms, segmentation)
         self._terms = [
             [term for term in problem.unary_terms if (label,) in term.calls] for label in range(n)
         ]
@@ -69,8 +72,18 @@ class UnaryCosts:
                 self.evaluate(part, label)
         return self.lower
 
-    def assign(self) -> IntArray:
-        """(n,) int: for each label the part that it goes to, of least total cost."""
+    def assign(self, groups: Sequence[Group] = ()) -> IntArray:
+        """(n,) int: for each label the part that it goes to, of least total cost.
+
+        Parameters
+        ----------
+        groups : sequence of Group, optional
+            Labels that go together, such as a leg and its mirror image: groups change places
+            with others of the same role, and nothing else does. All labels may change places
+            where every one is a group of its own without a role.
+        """
+        if any(group.role for group in groups):
+            return self._assign_groups(groups)
         while True:
             order = optimal_assignment(self.lower + self._penalty())
             unknown = [(part, j) for j, part in enumerate(order) if not self.known[part, j]]
@@ -78,6 +91,23 @@ class UnaryCosts:
                 return order
             for part, label in unknown:
                 self.evaluate(part, label)
+
+    def _assign_groups(self, groups: Sequence[Group]) -> IntArray:
+        """The best exchange of groups, role by role."""
+        order = np.arange(len(self.lower))
+        for role in dict.fromkeys(group.role for group in groups):
+            same = [group for group in groups if group.role == role]
+            for group in same:
+                for other in same:
+                    for part, label in zip(group.members, other.members, strict=True):
+                        self.evaluate(part, label)
+            whole = self.lower + self._penalty()
+            costs = np.array(
+                [[whole[g.members, h.members].sum() for h in same] for g in same]
+            ).reshape(len(same), len(same))
+            for to, place in enumerate(optimal_assignment(costs)):
+                order[list(same[to].members)] = same[place].members
+        return order
 
     def _penalty(self) -> FloatArray:
         """(n, n) float: more for one broken pin than all costs together."""

@@ -9,8 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from moseg_core.builtin.pattern_search import PatternSearch
+from moseg_core.choice import Choice, prepare
 from moseg_core.errors import ExpressionError, PluginError, ShapeError, UsageError
-from moseg_core.method import Choice, Method, prepare
+from moseg_core.method import Method
 from moseg_core.plugins import registry
 
 

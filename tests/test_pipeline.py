@@ -7,9 +7,10 @@ import math
 import numpy as np
 import pytest
 
+from moseg_core.choice import Choice
 from moseg_core.cost import Cost
 from moseg_core.errors import ShapeError, UsageError
-from moseg_core.method import Choice, Method
+from moseg_core.method import Method
 from moseg_core.objectives import objective
 from moseg_core.part import Part
 from moseg_core.pipeline import segment

@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 from moseg_core.builtin.voronoi import Voronoi
+from moseg_core.choice import Choice
 from moseg_core.coarse import coarsen
 from moseg_core.cost import Cost
 from moseg_core.errors import UsageError
-from moseg_core.method import Choice, Method
+from moseg_core.method import Method
 from moseg_core.objectives import objective
 from moseg_core.part import Part
 from moseg_core.pipeline import segment

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import pytest
 
+from moseg_core.choice import Choice, prepare
 from moseg_core.errors import ExpressionError, MosegError, PluginError, UsageError
-from moseg_core.method import Choice, Method, prepare
+from moseg_core.method import Method
 from moseg_core.plugins import Bundle, Component, Registry, registry
 from moseg_core.problem import Problem
 from moseg_core.recipe import Recipe, load_recipe, parse_recipe
@@ -54,10 +55,10 @@ def test_a_recipe_at_least():
     [
         ("labels = [", "recipe 'mine' is not valid TOML: "),
         ("= 3", "recipe 'mine' is not valid TOML: "),
-        ("", "recipe 'mine': 'labels' must be a list of names; it is missing"),
-        ('minimize = "f"', "recipe 'mine': 'labels' must be a list of names; it is missing"),
-        ('labels = "a"', "recipe 'mine': 'labels' must be a list of names; it is 'a'"),
-        ("labels = 3", "recipe 'mine': 'labels' must be a list of names; it is 3"),
+        ("", "recipe 'mine': 'labels' must be a list of texts; it is missing"),
+        ('minimize = "f"', "recipe 'mine': 'labels' must be a list of texts; it is missing"),
+        ('labels = "a"', "recipe 'mine': 'labels' must be a list of texts; it is 'a'"),
+        ("labels = 3", "recipe 'mine': 'labels' must be a list of texts; it is 3"),
         ('labels = ["a"]', "recipe 'mine': 'minimize' must be a text; it is missing"),
         (
             'labels = ["a"]\nminimize = ["f"]',
@@ -65,7 +66,7 @@ def test_a_recipe_at_least():
         ),
         (f"{LEAST}seder = 'x'", "recipe 'mine': unknown key 'seder'; did you mean 'seeder'?"),
         (f"{LEAST}[recipe]\nx = 1", "recipe 'mine': unknown key 'recipe'; "),
-        (f"{LEAST}zz = 1", "recipe 'mine': unknown key 'zz'; known: description, finalists, "),
+        (f"{LEAST}zz = 1", "recipe 'mine': unknown key 'zz'; known: constraints, description, "),
         (f"{LEAST}description = 3", "recipe 'mine': 'description' must be a text; it is 3"),
     ],
 )
@@ -168,7 +169,7 @@ def test_a_recipe_that_is_no_text_is_the_fault_of_its_distribution(site, source)
 
 def test_a_malformed_recipe_of_a_bundle_is_refused(site):
     found = add_recipe(site, "CHAIR = 'labels = 3'")
-    with pytest.raises(MosegError, match="'labels' must be a list of names"):
+    with pytest.raises(MosegError, match="'labels' must be a list of texts"):
         load_recipe("chair", source=found)
 
 

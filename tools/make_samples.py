@@ -1,10 +1,11 @@
 """Make the sample shapes that moseg ships, with the labels of their true parts.
 
 Each sample is a smooth solid: the parts, each a union of swept ovals, blended so that the joints
-have fillets (``samples/hammer.py``, ``samples/horse.py``). Its surface is meshed evenly
-(``samples/remesh.py``). A face belongs to the part whose own solid, taken without the others and
-without the fillet between parts, has the smallest signed distance at the centroid of the face.
-So the labels follow from the construction alone.
+have fillets (``samples/hammer.py``, ``samples/octopus.py`` and so on). Its surface is meshed
+evenly (``samples/remesh.py``); where the solid is its own mirror image, so is the mesh. A face
+belongs to the part whose own solid, taken without the others and without the fillet between parts,
+has the smallest signed distance at the centroid of the face. So the labels follow from the
+construction alone.
 
 Run it from anywhere, with scikit-image installed::
 
@@ -24,18 +25,29 @@ from pathlib import Path
 from types import ModuleType
 
 import numpy as np
-from samples import hammer, horse
+from samples import bulldog, dove, hammer, horse, octopus
 from samples.fields import FloatArray, dot
 from samples.remesh import IntArray, mesh_level_set
 
-SAMPLES: dict[str, ModuleType] = {"hammer": hammer, "horse": horse}
+SAMPLES: dict[str, ModuleType] = {
+    "bulldog": bulldog,
+    "dove": dove,
+    "hammer": hammer,
+    "horse": horse,
+    "octopus": octopus,
+}
 DESTINATION = Path(__file__).resolve().parent.parent / "moseg_core" / "samples"
 
 
 def make(sample: ModuleType) -> tuple[FloatArray, IntArray, IntArray]:
     """Vertices (V, 3), faces (F, 3) and the part number (F,) of each face."""
     vertices, faces = mesh_level_set(
-        sample.whole, sample.size, sample.LOW, sample.HIGH, grid=sample.GRID
+        sample.whole,
+        sample.size,
+        sample.LOW,
+        sample.HIGH,
+        grid=sample.GRID,
+        symmetric=sample.SYMMETRIC,
     )
     middle = (vertices[faces[:, 0]] + vertices[faces[:, 1]] + vertices[faces[:, 2]]) / 3.0
     distances = np.stack([solid(middle) for solid in sample.parts().values()], axis=1)

@@ -157,7 +157,7 @@ def _measure(
         labels = cluster(shape, round(statistics.median(len(np.unique(p)) for p in people)))
         return {"rand_index_error": _against(labels, people)}, labels
     assert case.recipe is not None  # everything else has one
-    problem = Problem(case.recipe.labels, case.recipe.minimize)
+    problem = case.recipe.problem()
     named = _named(case, shape)
     if case.method == COSTS:
         return _costs(case, shape, problem, named, people), None

@@ -6,6 +6,10 @@ whole problem under these labels: here the lowest wins. A generation is replaced
 of them by crossover of two parents whose centres are first aligned with each other, the rest by
 mutation of one. Parents win tournaments. The best individual ever seen is returned.
 
+Under constraints (Sec. 8) an individual holds only the centres that others do not follow. Those on
+a plane are moved onto it, the others are expanded from these, before the shape is partitioned.
+Labels, and centres of two parents, are matched only with those in the same role.
+
 Random numbers are drawn in this order, so that the run can be followed by hand:
 
 - an individual of the first generation: ``choice(F, n, replace=False)``;
@@ -17,6 +21,7 @@ Random numbers are drawn in this order, so that the run can be followed by hand:
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
@@ -62,16 +67,17 @@ class Evolution:
     ) -> Seeding:
         """Evolve, and return the best individual ever seen, centre by label."""
         points = evaluator.shape.unit_points
-        n = len(evaluator.problem.labels)
+        genome = _Genome.of(evaluator)
+        n = len(genome.leaders)
         people = [rng.choice(len(points), n, replace=False) for _ in range(self.population)]
         known: dict[bytes, tuple[Cost, IntArray]] = {}
         history: list[dict[str, float]] = []
         best: tuple[Cost, IntArray] | None = None
         for generation in range(1, self.iterations + 1):
-            costs = self._evaluate(people, evaluator, known)
+            costs = self._evaluate(people, evaluator, genome, known)
             for person, cost in zip(people, costs, strict=True):
                 if best is None or cost < best[0]:
-                    best = cost, known[_key(person)][1]
+                    best = cost, known[genome.key(person)][1]
             assert best is not None  # a population is never empty
             history.append(_record(generation, len(known), costs, best[0]))
             stop = report(
@@ -84,34 +90,29 @@ class Evolution:
             )
             if stop or generation == self.iterations:
                 break
-            people = self._next(people, costs, points, rng)
+            people = self._next(people, costs, points, rng, genome.roles)
         assert best is not None  # at least one generation
         return Seeding(
-            centers=evaluator.shape.points[best[1]], history=tuple(history), labelled=True
+            centers=genome.centers(evaluator, best[1]), history=tuple(history), labelled=True
         )
 
     def _evaluate(
         self,
         people: list[IntArray],
         evaluator: Evaluator,
+        genome: _Genome,
         known: dict[bytes, tuple[Cost, IntArray]],
     ) -> list[Cost]:
         """Costs of a generation; sets of elements seen before are not evaluated again."""
-        fresh = {key: np.sort(p) for p in people if (key := _key(p)) not in known}
+        fresh = {key: genome.sorted(p) for p in people if (key := genome.key(p)) not in known}
         if fresh:
             sets = list(fresh.values())
-            shape, partition = evaluator.shape, evaluator.parameterization
-            vectors = np.stack(
-                [
-                    partition.encode(Centers(positions=shape.points[s], weights=np.ones(len(s))))
-                    for s in sets
-                ]
-            )
+            vectors = np.stack([genome.vector(evaluator, s) for s in sets])
             for key, s, (order, cost) in zip(
                 fresh, sets, evaluator.labelled_costs(vectors), strict=True
             ):
-                known[key] = cost, s[order]
-        return [known[_key(person)][0] for person in people]
+                known[key] = cost, s[genome.places(order)]
+        return [known[genome.key(person)][0] for person in people]
 
     def _next(
         self,
@@ -119,6 +120,7 @@ class Evolution:
         costs: list[Cost],
         points: FloatArray,
         rng: np.random.Generator,
+        roles: IntArray,
     ) -> list[IntArray]:
         """The next generation: children by crossover first, then mutants."""
 
@@ -128,14 +130,71 @@ class Evolution:
 
         # Algorithm 3 counts i from 1 and crosses over while i <= fraction * size.
         crossed = int(np.floor(self.crossover * self.population + 1e-9))
-        children = [cross(winner(), winner(), points, rng) for _ in range(crossed)]
+        children = [cross(winner(), winner(), points, rng, roles) for _ in range(crossed)]
         while len(children) < self.population:
             children.append(mutate(winner(), len(points), rng))
         return children
 
 
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Genome:
+    """What the places of an individual stand for.
+
+    `leaders` are the labels that each place is the centre of; places with equal `roles` may be
+    exchanged. Without constraints there is a place for every label, and one role.
+    """
+
+    leaders: IntArray
+    roles: IntArray
+
+    @classmethod
+    def of(cls, evaluator: Evaluator) -> _Genome:
+        groups = evaluator.constraints.groups
+        known = list(dict.fromkeys(group.role for group in groups))
+        return cls(
+            leaders=np.array([group.members[0] for group in groups]),
+            roles=np.array([known.index(group.role) for group in groups]),
+        )
+
+    def sorted(self, person: IntArray) -> IntArray:
+        """The individual with its elements in order within each role."""
+        order = np.lexsort((person, self.roles))
+        ordered = np.empty_like(person)
+        ordered[np.argsort(self.roles, kind="stable")] = person[order]
+        return ordered
+
+    def key(self, person: IntArray) -> bytes:
+        """The same for the same sets of elements, whatever their order."""
+        return self.sorted(person).tobytes()
+
+    def vector(self, evaluator: Evaluator, person: IntArray) -> FloatArray:
+        """(m,) float: the partition that an individual stands for."""
+        shape, partition = evaluator.shape, evaluator.parameterization
+        positions = np.repeat(shape.frame.center[None], partition.n_parts, axis=0)
+        positions[self.leaders] = shape.points[person]
+        vector = partition.encode(Centers(positions=positions, weights=np.ones(len(positions))))
+        return evaluator.constraints.led(vector)
+
+    def centers(self, evaluator: Evaluator, person: IntArray) -> FloatArray:
+        """(n, 3) float, model units: centres of all labels."""
+        if not evaluator.constraints.active:
+            return evaluator.shape.points[person]
+        return evaluator.parameterization.decode(self.vector(evaluator, person)).positions
+
+    def places(self, order: IntArray) -> IntArray:
+        """From parts that labels go to, to places that places go to."""
+        place = np.empty(len(order), np.int64)
+        place[self.leaders] = np.arange(len(self.leaders))
+        chosen: IntArray = place[order[self.leaders]]
+        return chosen
+
+
 def cross(
-    first: IntArray, second: IntArray, points: FloatArray, rng: np.random.Generator
+    first: IntArray,
+    second: IntArray,
+    points: FloatArray,
+    rng: np.random.Generator,
+    roles: IntArray | None = None,
 ) -> IntArray:
     """A child that has each centre from either parent, after aligning them.
 
@@ -145,6 +204,8 @@ def cross(
         Elements of the parents.
     points : (F, 3) float
     rng : numpy.random.Generator
+    roles : (n,) int, optional
+        Centres are aligned only with those in an equal role; all with all by default.
 
     Returns
     -------
@@ -152,6 +213,8 @@ def cross(
         n different elements.
     """
     apart = cdist(points[first], points[second], "sqeuclidean")
+    if roles is not None:
+        apart[roles[:, None] != roles[None, :]] = np.inf
     # Rows are the second parent's centres: for each of the first parent's, its counterpart.
     aligned = second[optimal_assignment(apart.T)]
     bits = rng.integers(0, 2, len(first))
@@ -188,11 +251,6 @@ def _new_element(person: IntArray, n_elements: int, rng: np.random.Generator) ->
         element = int(rng.integers(n_elements))
         if element not in person:
             return element
-
-
-def _key(person: IntArray) -> bytes:
-    """The same for the same set of elements, whatever their order."""
-    return np.sort(person).tobytes()
 
 
 def _record(generation: int, evaluations: int, costs: list[Cost], best: Cost) -> dict[str, float]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from moseg_core.aggregate import call_value
+from moseg_core.aggregate import call_value, empty_parts
 from moseg_core.errors import UsageError, unknown
 from moseg_core.evaluation import Evaluator
 from moseg_core.types import FloatArray, IntArray
@@ -39,7 +39,7 @@ class Greedy:
         problem = evaluator.problem
         n = len(problem.labels)
         segmentation = evaluator.segmentation(evaluator.labels(vector))
-        empty: list[bool] = segmentation.summary.empty(segmentation.shape).tolist()
+        empty = empty_parts(problem.terms, segmentation)
         order = np.full(n, -1)
         unnamed = ["a part without a label yet"] * n
         for label in self._sequence(problem.labels):

@@ -144,4 +144,10 @@ def moseg_writers() -> list[WriterSpec]:
             suffixes=(".png",),
             summary="a shaded picture with a legend",
         ),
+        WriterSpec(
+            name="svg",
+            target="moseg_core.view.writer:write_svg",
+            suffixes=(".svg",),
+            summary="convergence curves: cost per generation and iteration",
+        ),
     ]

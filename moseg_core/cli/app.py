@@ -18,6 +18,7 @@ app = App(
     name="moseg",
     version=f"moseg {__version__}",
     help="Say what the parts of a shape are like; get the shape cut into named parts.",
+    help_epilogue="Bundles bring further commands: see 'moseg plugin list'.",
     help_on_error=False,
 )
 plugin_app = App(name="plugin", help="Installed bundles of objectives, seeders, formats and more.")
@@ -30,7 +31,7 @@ Outputs = Annotated[
     Parameter(
         name=["--out", "-o"],
         negative=(),
-        help="File to write, format by suffix: json, seg, ply, npz, npy, glb, png. Repeatable.",
+        help="File to write; json, seg, ply, npz, npy, glb, png or svg by suffix. Repeatable.",
     ),
 ]
 Repeated = Annotated[list[str] | None, Parameter(negative=())]
@@ -47,6 +48,10 @@ def segment(
     recipe: str | None = None,
     labels: str | None = None,
     minimize: str | None = None,
+    constraint: Repeated = None,
+    plane: str | None = None,
+    embedding: str | None = None,
+    space: str | None = None,
     adjacency: Nearness = "auto",
     volume: str | None = None,
     voxels: Cells = "solid",
@@ -64,6 +69,7 @@ def segment(
     seed: int = 0,
     max_seconds: float | None = None,
     workers: int | None = None,
+    clip: Flag = False,
     out: Outputs = None,
     json: Flag = False,
     quiet: Flag = False,
@@ -87,6 +93,15 @@ def segment(
         Names of the parts, separated by commas; instead of the recipe's.
     minimize
         What to minimise, such as "3*narrow(handle) + convex_parts"; instead of the recipe's.
+    constraint
+        What centres must obey: "mirror(leg2, leg1)", "on_plane(body)"; instead of the recipe's.
+        Repeatable; "none" leaves the recipe's out.
+    plane
+        The plane of symmetry: auto, x, y or z, or px,py,pz,nx,ny,nz (a point and the normal).
+    embedding
+        Unfold the shape first and find the partition there: mds; "none" leaves the recipe's out.
+    space
+        Where terms are evaluated that do not say (narrow(arm) @ mds): original, or the embedding.
     adjacency
         Which elements touch: what the shape knows of it, the nearest as well, or none.
     volume
@@ -122,18 +137,27 @@ def segment(
         End the search after about this time; the result then depends on the machine.
     workers
         Number of processes; as many as there are processors by default. The result is the same.
+    clip
+        Cut the faces at boundaries, so that these are smooth, in .ply, .glb and .png.
     json
         Print a summary as JSON instead of tables.
     quiet
         Print no messages, progress or tables.
     """
+    from moseg_core.cli.request import Asked
     from moseg_core.cli.segment import run_segment
 
     run_segment(
         shape,
-        recipe=recipe,
-        labels=labels,
-        minimize=minimize,
+        asked=Asked(
+            recipe=recipe,
+            labels=labels,
+            minimize=minimize,
+            constraints=constraint or [],
+            plane=plane,
+            embedding=embedding,
+            space=space,
+        ),
         adjacency=adjacency,
         volume=volume,
         voxels=voxels,
@@ -149,6 +173,7 @@ def segment(
         seed=seed,
         max_seconds=max_seconds,
         workers=workers,
+        clipped=clip,
         outputs=out or [],
         as_json=json,
         quiet=quiet,
@@ -163,6 +188,8 @@ def explain(
     recipe: str | None = None,
     labels: str | None = None,
     minimize: str | None = None,
+    embedding: str | None = None,
+    space: str | None = None,
     parts: Path | None = None,
     adjacency: Nearness = "auto",
     volume: str | None = None,
@@ -187,6 +214,10 @@ def explain(
         Names of the parts, separated by commas; instead of the recipe's.
     minimize
         What to minimise; instead of the recipe's.
+    embedding
+        A deformation in which terms can be evaluated, such as mds; instead of the recipe's.
+    space
+        Where terms are evaluated that do not say: original, or the embedding.
     parts
         Labelling to evaluate: .seg (numbers in the order of the labels), .txt, .json, .ply, .npz
         or .npy.
@@ -200,12 +231,12 @@ def explain(
         Print JSON instead of a table.
     """
     from moseg_core.cli.explain import run_explain
+    from moseg_core.cli.request import Asked
 
+    asked = Asked(recipe=recipe, labels=labels, minimize=minimize, embedding=embedding, space=space)
     run_explain(
         source,
-        recipe=recipe,
-        labels=labels,
-        minimize=minimize,
+        asked=asked,
         parts=parts,
         adjacency=adjacency,
         volume=volume,
@@ -258,7 +289,7 @@ def evaluate(
 
 @app.command
 def sample(
-    name: Literal["hammer", "horse"],
+    name: Literal["bulldog", "dove", "hammer", "horse", "octopus"],
     /,
     *,
     out: Annotated[Path, Parameter(name=["--out", "-o"])],
@@ -282,6 +313,53 @@ def sample(
     from moseg_core.cli.sample import run_sample
 
     run_sample(name, out, labels)
+
+
+@app.command
+def plot(
+    result: Path,
+    /,
+    *,
+    out: Annotated[Path, Parameter(name=["--out", "-o"])],
+) -> None:
+    """Draw how a search went: cost per generation and per iteration, and what the starts came to.
+
+    Examples
+    --------
+    moseg plot horse.json -o convergence.svg
+
+    Parameters
+    ----------
+    result
+        A result (.json).
+    out
+        File to write: .svg or .png.
+    """
+    from moseg_core.cli.plot import run_plot
+
+    run_plot(result, out)
+
+
+@app.command
+def recipes(name: str | None = None, /, *, json: Flag = False) -> None:
+    """List installed recipes, or print one as it was shipped, to change it.
+
+    Examples
+    --------
+    moseg recipes
+
+    moseg recipes hammer > mine.toml
+
+    Parameters
+    ----------
+    name
+        Which one to print; all are listed without.
+    json
+        Print JSON instead of a table or TOML.
+    """
+    from moseg_core.cli.recipes import run_recipes
+
+    run_recipes(name, as_json=json)
 
 
 @benchmark_app.command
@@ -374,7 +452,12 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 
 def _add_foreign_commands(asked: str) -> None:
-    """Add the commands that bundles bring; only the one that is asked for is imported."""
+    """Add the commands that bundles bring, where the one asked for is none of the core's.
+
+    Only the one asked for is imported.
+    """
+    if asked.startswith("-") or asked in app:
+        return
     for component in registry().components("command"):
         name = component.spec.name
         if name in app:
@@ -385,7 +468,7 @@ def _add_foreign_commands(asked: str) -> None:
 
 def _run(arguments: list[str]) -> int:
     try:
-        _add_foreign_commands(arguments[0] if arguments else "")
+        _add_foreign_commands(arguments[0] if arguments else "--help")
         command, bound, _ = app.parse_args(arguments, exit_on_error=False, print_error=False)
         command(*bound.args, **bound.kwargs)
         sys.stdout.flush()

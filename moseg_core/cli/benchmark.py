@@ -17,7 +17,6 @@ from moseg_core.cli.console import console, message
 from moseg_core.errors import UsageError
 from moseg_core.method import Method, settled
 from moseg_core.pipeline import prepare_method
-from moseg_core.problem import Problem
 from moseg_core.recipe import Recipe, load_recipe
 from moseg_core.workers import available_workers, read_workers
 
@@ -96,7 +95,7 @@ def read_recipes(words: Sequence[str]) -> dict[str, Recipe]:
                 f"'--recipe-for {word}' is not understood; write --recipe-for Fourleg=horse"
             )
         recipe = load_recipe(name.strip())
-        prepare_method(Problem(recipe.labels, recipe.minimize), recipe.method)
+        prepare_method(recipe.problem(), recipe.method)
         category = check_category(category)
         if category in found:
             raise UsageError(f"--recipe-for gives two recipes for {category}")

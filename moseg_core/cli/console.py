@@ -51,6 +51,8 @@ def terms_table(evaluation: Evaluation) -> Table:
     total = sum(abs(term.weighted) for term in evaluation.terms)
     for term in evaluation.terms:
         name = term.text.partition("(")[0]
+        if "(" in term.text:
+            name += term.text.rpartition(")")[2]  # where it is evaluated
         for call in term.calls:
             labels = ", ".join(call.labels) if call.labels else "all"
             if call.value is None:

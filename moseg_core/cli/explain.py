@@ -9,7 +9,7 @@ import numpy as np
 
 from moseg_core.cli.console import console, message, print_json, terms_table
 from moseg_core.cli.reading import read_shape
-from moseg_core.cli.request import read_problem
+from moseg_core.cli.request import Asked, read_problem
 from moseg_core.errors import UsageError, unknown
 from moseg_core.io import Labelling, read_labels, read_result
 from moseg_core.io.writers import evaluation_document
@@ -21,9 +21,7 @@ from moseg_core.types import IntArray
 def run_explain(
     source: Path,
     *,
-    recipe: str | None,
-    labels: str | None,
-    minimize: str | None,
+    asked: Asked,
     parts: Path | None,
     voxels: str,
     adjacency: str,
@@ -32,7 +30,7 @@ def run_explain(
 ) -> None:
     """Explain a saved result, or evaluate a labelling of a shape."""
     if source.suffix.lower() == ".json" and parts is None:
-        if recipe or labels or minimize:
+        if asked.anything:
             raise UsageError(
                 f"'{source}' is a result and brings its own problem; to evaluate its labels under"
                 f" another one, give the mesh and --parts {source}"
@@ -42,7 +40,7 @@ def run_explain(
     else:
         if parts is None:
             raise UsageError(f"'{source}' is a shape: give the labelling to explain with --parts")
-        problem, _ = read_problem(recipe, labels, minimize)
+        problem, _ = read_problem(asked)
         shape = read_shape(source, voxels=voxels, adjacency=adjacency, volume=volume)
         labelling = read_labels(parts, shape.n_elements)
         matched = _match(labelling, problem.labels, parts)

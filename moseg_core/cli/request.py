@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass, fields
 from pathlib import Path
 
 import numpy as np
 
+from moseg_core.choice import Choice
 from moseg_core.errors import UsageError
 from moseg_core.io.saved import SavedResult, read_result
 from moseg_core.method import Method
@@ -15,19 +17,37 @@ from moseg_core.problem import Problem
 from moseg_core.recipe import load_recipe, said_in_full
 
 
-def read_problem(
-    recipe: str | None,
-    labels: str | None,
-    minimize: str | None,
-    *,
-    start: SavedResult | None = None,
-) -> tuple[Problem, Method]:
+@dataclass(frozen=True, kw_only=True)
+class Asked:
+    """The options that say what to look for, as given on the command line.
+
+    Parameters
+    ----------
+    recipe, labels, minimize, plane, embedding, space : str or None
+    constraints : sequence of str
+        The word "none" alone leaves out the recipe's, as it does for the embedding.
+    """
+
+    recipe: str | None = None
+    labels: str | None = None
+    minimize: str | None = None
+    constraints: Sequence[str] = ()
+    plane: str | None = None
+    embedding: str | None = None
+    space: str | None = None
+
+    @property
+    def anything(self) -> bool:
+        """Whether any option was given."""
+        return any(getattr(self, field.name) for field in fields(self))
+
+
+def read_problem(asked: Asked, *, start: SavedResult | None = None) -> tuple[Problem, Method]:
     """The problem and the method that the options ask for.
 
     Parameters
     ----------
-    recipe, labels, minimize : str or None
-        As given on the command line.
+    asked : Asked
     start : SavedResult or None
         A result to go on from, whose own problem stands in where no recipe is given.
 
@@ -39,21 +59,48 @@ def read_problem(
     method = Method()
     names: Sequence[str] | None = None
     expression: str | None = None
-    if recipe is not None:
-        found = load_recipe(recipe)
+    constraints: Sequence[str] = ()
+    plane = space = None
+    embedding: Choice | str | None = None
+    if asked.recipe is not None:
+        found = load_recipe(asked.recipe)
         names, expression, method = found.labels, found.minimize, found.method
+        constraints, plane = found.constraints, found.plane
+        embedding, space = found.embedding, found.space
     elif start is not None:
-        meant = {term.text.partition("(")[0]: term.objective for term in start.evaluation.terms}
+        meant = {_name(term.text): term.objective for term in start.evaluation.terms}
         names, expression = start.names, said_in_full(start.minimize, meant.get, registry())
-    if labels is not None:
-        names = [name.strip() for name in labels.split(",")]
-    if minimize is not None:
-        expression = minimize
+        constraints, plane = start.constraints, start.plane
+        embedding, space = start.embedding, start.space
+    if asked.labels is not None:
+        names = [name.strip() for name in asked.labels.split(",")]
+    if asked.minimize is not None:
+        expression = asked.minimize
+    if asked.constraints:
+        constraints = () if list(asked.constraints) == ["none"] else asked.constraints
+    if asked.embedding is not None:
+        if asked.embedding == "none":
+            embedding = space = None
+        else:
+            embedding = asked.embedding
     if names is None or expression is None:
         raise UsageError(
             "say what to look for: --recipe NAME, or --labels a,b and --minimize '...'"
         )
-    return Problem(names, expression), method
+    problem = Problem(
+        names,
+        expression,
+        constraints=constraints,
+        plane=plane if asked.plane is None else asked.plane,
+        embedding=embedding,
+        space=space if asked.space is None else asked.space,
+    )
+    return problem, method
+
+
+def _name(text: str) -> str:
+    """The objective in the text of a term, such as ``narrow(leg*) @ mds``."""
+    return text.partition("(")[0].partition("@")[0].strip()
 
 
 def read_start(path: Path | None) -> SavedResult | None:

@@ -8,16 +8,19 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from rich.table import Table
 
+from moseg_core.choice import Choice
 from moseg_core.cli.console import console, message, print_json, progress_reporter, terms_table
 from moseg_core.cli.interrupt import stop_on_interrupt
 from moseg_core.cli.reading import read_shape
-from moseg_core.cli.request import read_pins, read_problem, read_start
+from moseg_core.cli.request import Asked, read_pins, read_problem, read_start
+from moseg_core.clipping import check_clippable, check_parameterization, clip
 from moseg_core.errors import UsageError
 from moseg_core.io.files import check_output, save
 from moseg_core.io.writers import check_writable, evaluation_document
-from moseg_core.method import Choice, read_resolution
+from moseg_core.method import read_resolution
 from moseg_core.pipeline import check_frozen, check_limits, matched_centers, prepare_method, segment
 from moseg_core.result import Result
 from moseg_core.workers import available_workers, read_workers
@@ -26,9 +29,7 @@ from moseg_core.workers import available_workers, read_workers
 def run_segment(
     path: Path,
     *,
-    recipe: str | None,
-    labels: str | None,
-    minimize: str | None,
+    asked: Asked,
     voxels: str,
     adjacency: str,
     volume: str | None,
@@ -44,15 +45,18 @@ def run_segment(
     seed: int,
     max_seconds: float | None,
     workers: int | None,
+    clipped: bool,
     outputs: list[Path],
     as_json: bool,
     quiet: bool,
 ) -> None:
     """Check everything that can be checked, then read, search, write and print."""
     earlier = read_start(start)
-    problem, method = read_problem(recipe, labels, minimize, start=earlier)
+    problem, method = read_problem(asked, start=earlier)
     chosen = _read_choices(choices, centers)
-    prepare_method(problem, method, chosen)
+    ready = prepare_method(problem, method, chosen)
+    if clipped:
+        check_parameterization(ready["parameterization"].component.id)
     if resolution is not None:
         read_resolution(resolution)
     begin = matched_centers(earlier.names, earlier.centers, problem) if earlier else None
@@ -70,7 +74,9 @@ def run_segment(
 
     started = time.monotonic()
     shape = read_shape(path, voxels=voxels, adjacency=adjacency, volume=volume)
-    problem.check(shape)
+    problem.check(problem.embed(shape))
+    if clipped:
+        check_clippable(shape)
     for output in outputs:
         check_writable(output.suffix, shape)
     if earlier is not None and earlier.shape.get("fingerprint") != shape.fingerprint:
@@ -100,8 +106,14 @@ def run_segment(
         )
     for warning in result.warnings:
         message(f"warning: {warning}", quiet=quiet)
+    if clipped:
+        result = clip(result)
+        message(_told(result), quiet=quiet)
     for output in outputs:
         save(result, output)
+    free, whole = result.dimension
+    if free < whole:
+        message(f"constraints leave {free} of {whole} dimensions to search", quiet=quiet)
     written = f"; wrote {', '.join(str(output) for output in outputs)}" if outputs else ""
     message(f"{time.monotonic() - started:.1f} s{written}", quiet=quiet)
     if as_json:
@@ -128,6 +140,14 @@ def _read_choices(choices: Mapping[str, str | None], centers: str | None) -> dic
     return chosen
 
 
+def _told(result: Result) -> str:
+    """How much was clipped."""
+    assert result.clipped is not None  # clipped results only
+    pieces = np.bincount(result.clipped.source, minlength=result.shape.n_elements)
+    cut = pieces > 1
+    return f"clipped {cut.sum()} faces into {pieces[cut].sum()}"
+
+
 def _summary(result: Result) -> dict[str, Any]:
     return {
         "shape": result.shape.name,
@@ -141,6 +161,7 @@ def _summary(result: Result) -> dict[str, Any]:
             }
             for name, part in result.parts.items()
         ],
+        "dimension": {"free": result.dimension[0], "all": result.dimension[1]},
         "seed": result.seed,
         "reason": result.reason,
         "warnings": list(result.warnings),

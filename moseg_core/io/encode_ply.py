@@ -2,7 +2,8 @@
 
 The file holds what was read, vertex for vertex and face for face: nothing is triangulated,
 joined or reordered, and coordinates keep all their digits, so that the labels can be used with
-the original file as well. Viewers show the faces' ``red``, ``green`` and ``blue``; moseg reads
+the original file as well. Only a clipped mesh has other faces; its ``source`` says whose pieces
+they are. Viewers show the faces' ``red``, ``green`` and ``blue``; moseg reads
 the ``label`` and its names back (:mod:`moseg_core.io.ply`).
 
 The format is binary, little-endian, version 1.0. Of polygons with different numbers of corners
@@ -13,7 +14,7 @@ the points, with normals where there are any, and of a voxel grid the middle of 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -25,7 +26,12 @@ from moseg_core.shape import Shape
 
 
 def encode_ply(
-    mesh: PolygonMesh, labels: npt.ArrayLike, names: Sequence[str], colors: npt.ArrayLike
+    mesh: PolygonMesh,
+    labels: npt.ArrayLike,
+    names: Sequence[str],
+    colors: npt.ArrayLike,
+    *,
+    source: npt.NDArray[np.int64] | None = None,
 ) -> bytes:
     r"""Encode a mesh with a colour and a label per polygon.
 
@@ -39,6 +45,8 @@ def encode_ply(
         UTF-8 and on one line each.
     colors : (n, 3) array_like of uint8
         Red, green and blue for each part, sRGB.
+    source : (F,) int, optional
+        The face that each polygon was cut from, where the mesh was clipped; written as ``source``.
 
     Returns
     -------
@@ -72,9 +80,11 @@ def encode_ply(
         f"property list {length} int vertex_indices",
         *(f"property uchar {channel}" for channel in ("red", "green", "blue")),
         "property int label",
+        *(() if source is None else ("property int source",)),
         "end_header\n",
     ]
-    faces = _face_rows(mesh, sizes, label, color, "<u1" if length == "uchar" else "<i4")
+    numbers = {"label": label} | ({} if source is None else {"source": source})
+    faces = _face_rows(mesh, sizes, color, numbers, "<u1" if length == "uchar" else "<i4")
     return "\n".join(header).encode() + mesh.vertices.astype("<f8").tobytes() + faces.tobytes()
 
 
@@ -137,15 +147,16 @@ def _beginning(names: Sequence[str]) -> list[str]:
 def _face_rows(
     mesh: PolygonMesh,
     sizes: npt.NDArray[np.int64],
-    label: npt.NDArray[np.int64],
     color: npt.NDArray[np.uint8],
+    numbers: Mapping[str, npt.NDArray[np.int64]],
     length: str,
 ) -> npt.NDArray[np.uint8]:
     """Encode the rows of the element face; those of one size are made at once."""
 
     def row(size: int) -> np.dtype[np.void]:
         return np.dtype(
-            [("size", length), ("corners", "<i4", (size,)), ("color", "u1", 3), ("label", "<i4")]
+            [("size", length), ("corners", "<i4", (size,)), ("color", "u1", 3)]
+            + [(name, "<i4") for name in numbers]
         )
 
     kinds = np.unique(sizes).tolist()
@@ -158,7 +169,8 @@ def _face_rows(
         rows["size"] = size
         rows["corners"] = mesh.corners[mesh.offsets[members][:, None] + np.arange(size)]
         rows["color"] = color[members]
-        rows["label"] = label[members]
+        for name, values in numbers.items():
+            rows[name] = values[members]
         width = rows.dtype.itemsize
         data[steps[members][:, None] + np.arange(width)] = rows.view(np.uint8).reshape(-1, width)
     return data

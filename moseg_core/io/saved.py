@@ -34,6 +34,9 @@ class SavedResult:
         The problem's labels.
     minimize : str
         The problem's expression.
+    constraints : tuple of str
+    plane, embedding, space : str or None
+        What else belongs to the problem.
     evaluation : Evaluation
     centers : Centers
     method : mapping of str to str
@@ -48,6 +51,10 @@ class SavedResult:
     labels: IntArray
     names: tuple[str, ...]
     minimize: str
+    constraints: tuple[str, ...]
+    plane: str | None
+    embedding: str | None
+    space: str | None
     evaluation: Evaluation
     centers: Centers
     method: Mapping[str, str]
@@ -103,11 +110,16 @@ def _from_document(document: dict[str, Any]) -> SavedResult:
     )
     cost = document["cost"]
     parts = document["parts"]
+    problem = document["problem"]
     return SavedResult(
         shape=document["shape"],
         labels=np.array(document["labels"], np.int64),
-        names=tuple(document["problem"]["labels"]),
-        minimize=document["problem"]["minimize"],
+        names=tuple(problem["labels"]),
+        minimize=problem["minimize"],
+        constraints=tuple(problem.get("constraints", ())),
+        plane=problem.get("plane"),
+        embedding=problem.get("embedding"),
+        space=problem.get("space"),
         evaluation=Evaluation(
             cost=Cost(len(cost["empty"]) + int(cost["broken_pins"]), float(cost["value"])),
             terms=terms,

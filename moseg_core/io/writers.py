@@ -17,6 +17,7 @@ from moseg_core.io.labels import encode_seg
 from moseg_core.io.saved import FORMAT
 from moseg_core.mesh import PolygonMesh
 from moseg_core.palette import part_colors
+from moseg_core.problem import Problem
 from moseg_core.result import Result
 from moseg_core.shape import Shape
 from moseg_core.splats import drawable
@@ -33,10 +34,7 @@ def write_json(result: Result) -> bytes:
             "fingerprint": shape.fingerprint,
             "notes": list(shape.notes),
         },
-        "problem": {
-            "labels": list(result.problem.labels),
-            "minimize": str(result.problem.expression),
-        },
+        "problem": _problem_document(result.problem),
         **evaluation_document(result.evaluation),
         "parts": [
             {
@@ -55,6 +53,7 @@ def write_json(result: Result) -> bytes:
             )
         ],
         "method": dict(result.method),
+        "dimension": {"free": result.dimension[0], "all": result.dimension[1]},
         "seed": result.seed,
         "reason": result.reason,
         "warnings": list(result.warnings),
@@ -71,6 +70,21 @@ def write_json(result: Result) -> bytes:
     # One line per entry: readable, and a change of one number is a change of one line.
     lines = [f"{json.dumps(key)}: {_dump(value)}" for key, value in document.items()]
     return ("{\n" + ",\n".join(lines) + "\n}\n").encode()
+
+
+def _problem_document(problem: Problem) -> dict[str, Any]:
+    """Labels and expression; constraints and embedding where there are any."""
+    document: dict[str, Any] = {
+        "labels": list(problem.labels),
+        "minimize": str(problem.expression),
+    }
+    if problem.rules:
+        document["constraints"] = [rule.text for rule in problem.rules]
+    if problem.plane is not None:
+        document["plane"] = problem.plane
+    if problem.embedding is not None:
+        document |= {"embedding": str(problem.embedding), "space": problem.space}
+    return document
 
 
 def evaluation_document(evaluation: Evaluation) -> dict[str, Any]:
@@ -104,12 +118,16 @@ def write_seg(result: Result) -> bytes:
 
 
 def write_ply(result: Result) -> bytes:
-    """The input's polygons with the colour and label of each; else one point per element."""
-    shape, names = result.shape, result.problem.labels
+    """The input's polygons, or a clipped result's pieces; else a point for every element.
+
+    Each with its colour and label.
+    """
+    names, (surface, labels) = result.problem.labels, result.surface
     colors = part_colors(len(names))
-    if isinstance(shape.geometry, PolygonMesh):
-        return encode_ply(shape.geometry, result.labels, names, colors)
-    return encode_points_ply(shape, result.labels, names, colors)
+    if not isinstance(surface, PolygonMesh):
+        return encode_points_ply(result.shape, labels, names, colors)
+    source = None if result.clipped is None else result.clipped.source
+    return encode_ply(surface, labels, names, colors, source=source)
 
 
 def write_npz(result: Result) -> bytes:
@@ -142,9 +160,8 @@ def check_writable(suffix: str, shape: Shape) -> None:
 
 def write_glb(result: Result) -> bytes:
     """A scene with one coloured node per part, named by its label."""
-    names = result.problem.labels
-    drawn = drawable(result.shape.geometry)
-    return encode_glb(drawn, result.labels, names, part_colors(len(names)))
+    names, (mesh, labels) = result.problem.labels, result.surface
+    return encode_glb(drawable(mesh), labels, names, part_colors(len(names)))
 
 
 def _dump(value: Any) -> str:

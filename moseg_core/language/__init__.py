@@ -3,7 +3,7 @@
 ::
 
     expression = ["+" | "-"] term { ("+" | "-") term }
-    term       = [number "*"] name [ "(" [ argument { "," argument } ] ")" ]
+    term       = [number "*"] name [ "(" [ argument { "," argument } ] ")" ] [ "@" word ]
     name       = word | word ":" word
     argument   = label | glob | key "=" number
 
@@ -12,7 +12,7 @@ Text goes through :mod:`~moseg_core.language.tokens` (characters to tokens with 
 with ``str``. What the names mean is decided by :mod:`moseg_core.problem`.
 """
 
-from moseg_core.language.parser import parse, parse_call
+from moseg_core.language.parser import parse, parse_call, parse_constraint
 from moseg_core.language.terms import Argument, Expression, Term
 
-__all__ = ["Argument", "Expression", "Term", "parse", "parse_call"]
+__all__ = ["Argument", "Expression", "Term", "parse", "parse_call", "parse_constraint"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 from moseg_core.errors import ExpressionError
 from moseg_core.language.terms import Argument, Expression, Term
@@ -56,11 +57,32 @@ def parse_call(text: str) -> Term:
     return _Parser(text).lone_call()
 
 
-class _Parser:
-    """The state of one parse: the tokens and the place reached."""
+def parse_constraint(text: str) -> Term:
+    """Read a constraint: a call with labels, whose parameters may be words.
 
-    def __init__(self, text: str) -> None:
+    Raises
+    ------
+    ExpressionError
+        Anything else.
+
+    Examples
+    --------
+    >>> term = parse_constraint("mirror(leg2, leg1, plane=x)")
+    >>> [argument.pattern for argument in term.arguments], term.parameters
+    (['leg2', 'leg1'], (('plane', 'x'),))
+    """
+    return _Parser(text, words=True).lone_call()
+
+
+class _Parser:
+    """The state of one parse: the tokens and the place reached.
+
+    `words` says that labels may be given to a lone call, and words to its parameters.
+    """
+
+    def __init__(self, text: str, *, words: bool = False) -> None:
         self.text = text
+        self.words = words
         self.tokens = tokenize(text)
         self.at = 0
 
@@ -76,7 +98,7 @@ class _Parser:
         term = self.call(1.0, what="a name")
         if not self.at_end:
             self.fail("the end")
-        if term.arguments:
+        if term.arguments and not self.words:
             start, stop = term.arguments[0].span
             raise ExpressionError("expected key=number", self.text, start, stop)
         return term
@@ -98,7 +120,15 @@ class _Parser:
                     "a weight of 0 leaves the term out; remove it", self.text, *_span(token)
                 )
             self.expect("*")
-        return self.call(weight)
+        return self.placed(self.call(weight))
+
+    def placed(self, term: Term) -> Term:
+        """The term with the space behind it, where one is named."""
+        if self.peek.text != "@":
+            return term
+        self.take()
+        space = self.word("the name of a space after '@', such as original")
+        return replace(term, space=space.text, space_span=_span(space))
 
     def call(self, weight: float, *, what: str = "the name of an objective") -> Term:
         first = self.word(what)
@@ -108,7 +138,7 @@ class _Parser:
             second = self.word("a name after ':'")
             name, stop = f"{first.text}:{second.text}", second.stop
         arguments: list[Argument] = []
-        parameters: list[tuple[str, float]] = []
+        parameters: list[tuple[str, float | str]] = []
         keys: list[tuple[int, int]] = []
         if self.peek.text == "(":
             self.take()
@@ -132,7 +162,7 @@ class _Parser:
     def argument(
         self,
         arguments: list[Argument],
-        parameters: list[tuple[str, float]],
+        parameters: list[tuple[str, float | str]],
         keys: list[tuple[int, int]],
     ) -> None:
         token = self.peek
@@ -145,13 +175,17 @@ class _Parser:
                     f"parameter '{token.text}' is given twice", self.text, *_span(token)
                 )
             self.take()
-            value = self.sign(optional=True) * self.number()
-            parameters.append((token.text, value))
+            parameters.append((token.text, self.value()))
             keys.append(_span(token))
         elif parameters:
             raise ExpressionError("labels come before parameters", self.text, *_span(token))
         else:
             arguments.append(Argument(token.text, _span(token)))
+
+    def value(self) -> float | str:
+        if self.words and self.peek.kind == "word":
+            return self.take().text
+        return self.sign(optional=True) * self.number()
 
     def number(self) -> float:
         token = self.peek

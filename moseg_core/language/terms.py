@@ -39,29 +39,40 @@ class Term:
     name : str
         As written: ``narrow`` or ``basic:narrow``.
     arguments : tuple of Argument
-    parameters : tuple of (str, float)
-        In the order written.
+    parameters : tuple of (str, float or str)
+        In the order written; words only where :func:`~moseg_core.language.parse_constraint`
+        allows them.
     weight : float
         With the sign that the term has in the sum.
     span : (int, int)
         Place of the name in the expression.
     keys : tuple of (int, int)
         Places of the parameters' names.
+    space : str
+        Where the term is evaluated, the word after ``@``; empty where it does not say.
+    space_span : (int, int)
+        Its place in the expression.
     """
 
     name: str
     arguments: tuple[Argument, ...] = ()
-    parameters: tuple[tuple[str, float], ...] = ()
+    parameters: tuple[tuple[str, float | str], ...] = ()
     weight: float = 1.0
     span: tuple[int, int] = field(default=(0, 0), compare=False)
     keys: tuple[tuple[int, int], ...] = field(default=(), compare=False)
+    space: str = ""
+    space_span: tuple[int, int] = field(default=(0, 0), compare=False)
 
     @property
     def call(self) -> str:
-        """The term without its weight: ``narrow(leg*)``."""
+        """The term without its weight: ``narrow(leg*)``, ``convex_parts @ mds``."""
         inside = [argument.pattern for argument in self.arguments]
-        inside += [f"{key}={format_number(value)}" for key, value in self.parameters]
-        return f"{self.name}({', '.join(inside)})" if inside else self.name
+        inside += [
+            f"{key}={value if isinstance(value, str) else format_number(value)}"
+            for key, value in self.parameters
+        ]
+        bare = f"{self.name}({', '.join(inside)})" if inside else self.name
+        return f"{bare} @ {self.space}" if self.space else bare
 
     def __str__(self) -> str:
         return self.call if self.weight == 1 else f"{format_number(self.weight)}*{self.call}"

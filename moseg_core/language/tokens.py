@@ -2,7 +2,7 @@
 
 The one subtlety is ``*``: between a number and a name it multiplies, inside parentheses it is
 always part of a glob, so that ``10*narrow(leg*)`` means what it looks like. The tokenizer
-therefore counts parentheses. The characters ``/ @ { } ..`` are reserved for later.
+therefore counts parentheses. The characters ``/ { } ..`` are reserved for later.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ _SPACE = re.compile(r"\s*")
 _NUMBER = re.compile(r"(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?(?![\w.])", re.ASCII)
 _WORD = re.compile(r"\w+", re.ASCII)
 _GLOB = re.compile(r"[\w*]+", re.ASCII)
-_RESERVED = re.compile(r"\.\.|[/@{}]")
+_RESERVED = re.compile(r"\.\.|[/{}]")
 
 
 @dataclass(frozen=True)
@@ -78,6 +78,6 @@ def _token_at(text: str, at: int, *, inside: bool, value: bool) -> Token:
         raise ExpressionError(
             f"'{reserved.group()}' is reserved for later versions", text, at, reserved.end()
         )
-    if text[at] in "+-*(),=:":
+    if text[at] in "+-*(),=:@":
         return Token("symbol", text[at], at)
     raise ExpressionError(f"unexpected character {text[at]!r}", text, at)

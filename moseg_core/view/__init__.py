@@ -1,1 +1,1 @@
-"""Pictures of segmentations, made without a screen, a GPU or a graphics library."""
+"""Pictures of segmentations and of searches, made without a screen, a GPU or a graphics library."""

@@ -55,7 +55,7 @@ def draw_title(draw: ImageDraw, title: str, *, size: tuple[int, int], pad: int) 
     int, pixels
         Where the room below begins; 0 without a title.
     """
-    text = _one_line(title)
+    text = one_line(title)
     if not text:
         return 0
     width, height = size
@@ -100,7 +100,7 @@ def draw_legend(
         font = _font(em)
         line = _line_height(font) * 5 // 4
         widest = min(width / 3, max(width / 6, 12 * em))
-        names = [_shortened(_one_line(entry.name), font, widest) for entry in entries]
+        names = [_shortened(one_line(entry.name), font, widest) for entry in entries]
         ends = [1.5 * em + font.getlength(name) for name in names]
         column = 2 * em + math.ceil(
             max(
@@ -136,8 +136,14 @@ def draw_legend(
     return top
 
 
-def _one_line(text: str) -> str:
-    """Text without line breaks and other characters that cannot be drawn."""
+def one_line(text: str) -> str:
+    r"""Text without line breaks and other characters that cannot be drawn.
+
+    Examples
+    --------
+    >>> one_line("two\nlines\x00")
+    'two lines'
+    """
     return " ".join("".join(c if c.isprintable() else " " for c in text).split())
 
 

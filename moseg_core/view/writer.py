@@ -1,16 +1,24 @@
-"""The picture of a result, as a format that results are saved in."""
+"""Pictures of a result, and of how it was found, as formats that results are saved in."""
 
 from __future__ import annotations
 
 from moseg_core.result import Result
 from moseg_core.splats import drawable
+from moseg_core.view.convergence import render_convergence
 from moseg_core.view.picture import render_picture
 
 
 def write_png(result: Result) -> bytes:
     """A picture from two sides, with a legend and the cost."""
     title = f"{result.shape.name}, cost {result.cost:.4g}"
-    names = result.problem.labels
-    shape = result.shape
-    drawn, areas = drawable(shape.geometry), shape.areas / shape.area
-    return render_picture(drawn, result.labels, names, title=title, areas=areas)
+    surface, labels = result.surface
+    areas = None if result.shape.has_surface else result.shape.areas
+    return render_picture(
+        drawable(surface), labels, result.problem.labels, title=title, areas=areas
+    )
+
+
+def write_svg(result: Result) -> bytes:
+    """The convergence curves (Fig. 6), with the name and the cost."""
+    title = f"{result.shape.name}, cost {result.cost:.4g}"
+    return render_convergence(result.history, format="svg", title=title)

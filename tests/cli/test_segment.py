@@ -18,7 +18,7 @@ EXPRESSION = "3*narrow(handle) + perpendicular(handle, head) + convex_parts"
 
 
 def test_writes_every_format_and_prints_tables(moseg, mallet, tmp_path):
-    outputs = [tmp_path / f"m.{suffix}" for suffix in ("json", "seg", "ply", "glb", "png")]
+    outputs = [tmp_path / f"m.{suffix}" for suffix in ("json", "seg", "ply", "glb", "png", "svg")]
     words = [word for output in outputs for word in ("-o", output)]
     run = moseg("segment", mallet, "--recipe", "hammer", *words)
     assert run.code == 0
@@ -40,6 +40,7 @@ def test_writes_every_format_and_prints_tables(moseg, mallet, tmp_path):
         int((labels == k).sum()) for k in (0, 1)
     ]
     assert outputs[4].read_bytes().startswith(b"\x89PNG")
+    assert outputs[5].read_bytes().startswith(b"<svg")
     assert len(trimesh.load(outputs[2], process=False).faces) == len(labels)
 
 
@@ -170,7 +171,7 @@ def test_an_open_mesh_is_refused_for_convex_parts(moseg, open_box, tmp_path):
 
 def test_bytes_do_not_depend_on_the_process(mallet, tmp_path):
     """Two processes with different hash seeds write the same bytes, in every format."""
-    suffixes = ("json", "seg", "ply", "glb", "png")
+    suffixes = ("json", "seg", "ply", "glb", "png", "svg")
     for run in ("1", "2"):
         words = [w for s in suffixes for w in ("-o", str(tmp_path / f"{run}.{s}"))]
         subprocess.run(

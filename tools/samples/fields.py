@@ -62,8 +62,8 @@ def blend(fields: Sequence[Field], width: float) -> Field:
 def loft(
     rows: Sequence[Row],
     *,
-    side: tuple[float, float, float] = (0.0, 0.0, 1.0),
-    power: int = 2,
+    side: tuple[float, float, float] | None = (0.0, 0.0, 1.0),
+    power: int | None = 2,
     caps: tuple[float | None, float | None] = (None, None),
     flat: tuple[float | None, float | None] = (None, None),
     steps: int = 6,
@@ -77,9 +77,11 @@ def loft(
         everything is interpolated by cubics.
     side : (3,) float
         Direction of the half-axis `across`, made orthogonal to the curve; `up` is orthogonal to
-        both.
-    power : {2, 4}
-        2 for ellipses, 4 for squares with well rounded corners.
+        both. None carries any direction along the curve without twist: for round sections on
+        curves that turn every way.
+    power : {2, 4, None}
+        2 for ellipses, 4 for squares with well rounded corners, None for a plate: a thin section
+        with parallel sides `up` from the middle, and a half-round rim.
     caps : pair of float or None
         How far the rounded start and end reach beyond the curve; by default as far as the smaller
         half-axis there.
@@ -95,8 +97,7 @@ def loft(
     stations = _interpolate(np.array(rows, dtype=np.float64), steps)
     centers, axes = stations[:, :3], stations[:, 3:]
     tangents = _tangents(centers)
-    across = np.array(side) - dot(np.array(side), tangents)[:, None] * tangents
-    across = normalized(across)
+    across = _carried(tangents) if side is None else _orthogonal(np.array(side), tangents)
     up = np.cross(across, tangents)
     reach = tuple(
         float(axes[end].min()) if cap is None else cap
@@ -123,7 +124,10 @@ def loft(
             if rim is None:
                 local[beyond, 2] = dot(delta[beyond], tangents[end])
                 scale[beyond, 2] = length
-        distance = _oval_distance(local, scale, power)
+        if power is None:
+            distance = _plate_distance(local, scale)
+        else:
+            distance = _oval_distance(local, scale, power)
         for end, sign, rim in zip((0, -1), (-1.0, 1.0), flat, strict=True):
             if rim is not None:
                 height = sign * dot(points - centers[end], tangents[end])
@@ -131,6 +135,37 @@ def loft(
         return distance
 
     return field
+
+
+def mirrored(field: Field) -> Field:
+    """Image of a solid in the plane z = 0."""
+    return lambda points: field(points * np.array([1.0, 1.0, -1.0]))
+
+
+def folded(field: Field) -> Field:
+    """Make the half of a solid at negative z, and its image, into one solid."""
+
+    def symmetric(points: FloatArray) -> FloatArray:
+        left = points.copy()
+        left[:, 2] = -np.abs(points[:, 2])
+        return field(left)
+
+    return symmetric
+
+
+def bounded(field: Field, low: FloatArray, high: FloatArray, beyond: float) -> Field:
+    """Give a field within a box, and `beyond` out of it, where the true distance is no less.
+
+    For solids in one corner of a large box: what is far from the surface need not be exact.
+    """
+
+    def within(points: FloatArray) -> FloatArray:
+        inside = ((points >= low) & (points <= high)).all(axis=1)
+        distance = np.full(len(points), beyond)
+        distance[inside] = field(points[inside])
+        return distance
+
+    return within
 
 
 def gradient(field: Field, points: FloatArray, step: float) -> FloatArray:
@@ -163,6 +198,14 @@ def _oval_distance(local: FloatArray, scale: FloatArray, power: int) -> FloatArr
     return distance
 
 
+def _plate_distance(local: FloatArray, scale: FloatArray) -> FloatArray:
+    """Distance to a flat rectangle, less the half thickness."""
+    rest = np.abs(local)
+    rest[:, 1:] = np.maximum(rest[:, 1:] - np.maximum(scale[:, 1:] - scale[:, :1], 0.0), 0.0)
+    distance: FloatArray = np.sqrt(dot(rest, rest)) - scale[:, 0]
+    return distance
+
+
 def _nearest_place(points: FloatArray, centers: FloatArray) -> FloatArray:
     """(n,) float: station number, with fraction, of the nearest point on a polyline."""
     best = np.full(len(points), np.inf)
@@ -177,6 +220,20 @@ def _nearest_place(points: FloatArray, centers: FloatArray) -> FloatArray:
         best[closer] = distance[closer]
         place[closer] = i + t[closer]
     return place
+
+
+def _orthogonal(direction: FloatArray, tangents: FloatArray) -> FloatArray:
+    """Directions of length 1 orthogonal to each tangent, nearest to a given one."""
+    return normalized(direction - dot(direction, tangents)[..., None] * tangents)
+
+
+def _carried(tangents: FloatArray) -> FloatArray:
+    """Directions orthogonal to each tangent, each nearest to the one before."""
+    least = np.abs(tangents[0]).argmin()
+    across = [_orthogonal(np.eye(3)[least], tangents[0])]
+    for tangent in tangents[1:]:
+        across.append(_orthogonal(across[-1], tangent))
+    return np.stack(across)
 
 
 def _interpolate(rows: FloatArray, steps: int) -> FloatArray:

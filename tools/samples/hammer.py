@@ -15,6 +15,7 @@ from samples.fields import Field, FloatArray, blend, loft
 GRID = 2.0
 LOW = np.array([-225.0, -15.0, -75.0])
 HIGH = np.array([120.0, 45.0, 75.0])
+SYMMETRIC = False
 FILLET = 3.0
 
 

@@ -15,6 +15,7 @@ from samples.fields import Field, FloatArray, blend, dot, loft, smooth_min
 GRID = 0.022
 LOW = np.array([-1.25, -0.12, -0.48])
 HIGH = np.array([1.55, 2.35, 0.48])
+SYMMETRIC = False
 FILLET = 0.09
 
 

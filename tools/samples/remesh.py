@@ -6,6 +6,11 @@ remeshing approach to multiresolution modeling", 2004): split long edges, collap
 flip edges, slide each vertex towards the middle of its neighbours, and put it back on the
 surface with Newton steps. Every operation keeps a closed manifold closed and manifold.
 
+A solid that is its own mirror image in the plane z = 0 gets a mesh that is, exactly: the half at
+negative z is meshed alone, up to a rim of vertices that stay in the plane, and then doubled. While
+it is remade, a *ghost* vertex, joined to the whole rim, closes the half. So the operations find two
+faces at each edge there too, and need only leave alone what touches the ghost.
+
 All loops run in a fixed order, so that the result depends on the input alone.
 """
 
@@ -34,6 +39,7 @@ def mesh_level_set(
     *,
     grid: float,
     rounds: int = 14,
+    symmetric: bool = False,
 ) -> tuple[FloatArray, IntArray]:
     """Triangulate ``field == 0`` with edges of a given length.
 
@@ -50,6 +56,9 @@ def mesh_level_set(
     rounds : int
         Rounds of remeshing. The second half turns edges by their angles and no longer by the
         number of neighbours; a few more rounds at the end only turn and slide.
+    symmetric : bool
+        The field is the same at z and -z, and the mesh is to be its own mirror image. The second
+        half of the faces is the image of the first, in the same order.
 
     Returns
     -------
@@ -57,7 +66,10 @@ def mesh_level_set(
     faces : (F, 3) int
         Counter-clockwise when seen from outside.
     """
-    vertices, faces = _march(field, low, high, grid)
+    axes = [np.arange(a, b + grid, grid) for a, b in zip(low, high, strict=True)]
+    if symmetric:
+        axes[2] = grid * np.arange(np.floor(low[2] / grid), 1.0)
+    vertices, faces = _march(field, axes, grid)
     for number in range(rounds + 4):
         surface = _Surface(vertices, faces, size(vertices))
         if number < rounds:
@@ -69,18 +81,15 @@ def mesh_level_set(
             vertices = _project(field, _slide(vertices, faces), 0.25 * grid)
     for _ in range(3):
         vertices = _project(field, vertices, 0.25 * grid)
-    return vertices, faces
+    return _doubled(vertices, faces) if symmetric else (vertices, faces)
 
 
-def _march(
-    field: Field, low: FloatArray, high: FloatArray, grid: float
-) -> tuple[FloatArray, IntArray]:
-    """Marching cubes on a regular grid over the box, with faces that look outwards."""
-    axes = [np.arange(a, b + grid, grid) for a, b in zip(low, high, strict=True)]
+def _march(field: Field, axes: list[FloatArray], grid: float) -> tuple[FloatArray, IntArray]:
+    """Marching cubes on a regular grid, with faces that look outwards; open where the grid ends."""
     nodes = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
     values = field(nodes.reshape(-1, 3)).reshape(nodes.shape[:3])
     points, faces, _, _ = marching_cubes(values, 0.0, allow_degenerate=False)  # type: ignore[no-untyped-call]
-    points = np.asarray(points, dtype=np.float64) * grid + low
+    points = np.asarray(points, dtype=np.float64) * grid + np.array([axis[0] for axis in axes])
     faces = np.asarray(faces, dtype=np.int64)
     a, b, c = (points[faces[:, k]] for k in range(3))
     if dot(a, np.cross(b, c)).sum() < 0:
@@ -97,8 +106,41 @@ def _project(field: Field, points: FloatArray, longest: float) -> FloatArray:
     return points - limit[:, None] * step
 
 
+def _rim(faces: IntArray) -> IntArray:
+    """(R, 2) directed edges of faces that no other face runs along the other way."""
+    start, end = faces.reshape(-1), np.roll(faces, -1, axis=1).reshape(-1)
+    count = faces.max() + 1
+    alone = ~np.isin(start * count + end, end * count + start)
+    return np.stack([start[alone], end[alone]], axis=1)
+
+
+def _doubled(points: FloatArray, faces: IntArray) -> tuple[FloatArray, IntArray]:
+    """Glue a half to its image in the plane z = 0, along the rim; a closed surface stays alone."""
+    rim = _rim(faces)
+    if len(rim) == 0:
+        return points, faces
+    inner = np.ones(len(points), dtype=bool)
+    inner[rim] = False
+    image = np.arange(len(points))
+    image[inner] = len(points) + np.arange(inner.sum())
+    mirrored = points[inner] * np.array([1.0, 1.0, -1.0])
+    return np.concatenate([points, mirrored]), np.concatenate([faces, image[faces][:, ::-1]])
+
+
 def _slide(points: FloatArray, faces: IntArray) -> FloatArray:
-    """Move every vertex along the surface, towards the mean of its neighbours."""
+    """Move every vertex along the surface, towards the mean of its neighbours.
+
+    At a rim these include the neighbours' images, so that its vertices stay in the plane.
+    """
+    half, rim = len(points), _rim(faces)
+    points, faces = _doubled(points, faces)
+    moved = _moved(points, faces)[:half]
+    moved[rim, 2] = 0.0
+    return moved
+
+
+def _moved(points: FloatArray, faces: IntArray) -> FloatArray:
+    """Slide the vertices of a closed surface."""
     start, end = faces.reshape(-1), np.roll(faces, -1, axis=1).reshape(-1)
     corner = points[faces]
     face_normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
@@ -114,7 +156,10 @@ def _sums(number: IntArray, rows: FloatArray, count: int) -> FloatArray:
 
 
 class _Surface:
-    """A closed triangle mesh under reconstruction: faces and, for each vertex, its faces."""
+    """A triangle mesh under reconstruction: faces and, for each vertex, its faces.
+
+    The rim of an open mesh is closed by faces with the `ghost`, whose place means nothing.
+    """
 
     def __init__(self, vertices: FloatArray, faces: IntArray, sizes: FloatArray) -> None:
         self.points: list[Point] = [(x, y, z) for x, y, z in vertices.tolist()]
@@ -123,10 +168,20 @@ class _Surface:
         self.around: list[set[int]] = [set() for _ in self.points]
         for a, b, c in faces.tolist():
             self._add((a, b, c))
+        self.ghost = -1
+        rim = _rim(faces)
+        if len(rim):
+            self.ghost = len(self.points)
+            self.points.append((0.0, 0.0, 0.0))
+            self.sizes.append(1.0)
+            self.around.append(set())
+            for a, b in rim.tolist():
+                self._add((b, a, self.ghost))
 
     def arrays(self) -> tuple[FloatArray, IntArray]:
         """Vertices and faces that are left, renumbered."""
-        faces = np.array([face for face in self.faces if face is not None], dtype=np.int64)
+        kept = [face for face in self.faces if face is not None and self.ghost not in face]
+        faces = np.array(kept, dtype=np.int64)
         used, faces = np.unique(faces, return_inverse=True)
         return np.array(self.points)[used], faces.reshape(-1, 3).astype(np.int64)
 
@@ -158,7 +213,12 @@ class _Surface:
             if any(len(self._neighbors(wing)) <= 4 for wing in wings):
                 continue
             middle = _midpoint(self.points[a], self.points[b])
-            ring = (near_a | near_b) - {a, b}
+            if self._on_rim(a) != self._on_rim(b):
+                rim, inner = (a, b) if self._on_rim(a) else (b, a)
+                if self._ties(inner) - {rim, *wings}:
+                    continue
+                middle = self.points[rim]
+            ring = (near_a | near_b) - {a, b, self.ghost}
             bound = longest * (self.sizes[a] + self.sizes[b]) / 2.0
             if any(_length(_minus(self.points[v], middle)) > bound for v in ring):
                 continue
@@ -180,6 +240,8 @@ class _Surface:
             if wings is None:
                 continue
             c, d = wings
+            if self.ghost in wings or (self._on_rim(c) and self._on_rim(d)):
+                continue
             if d in self._neighbors(c) or min(len(self.around[a]), len(self.around[b])) <= 4:
                 continue
             if not (self._too_blunt(a, b, c, d) if by_angle else self._uneven(a, b, c, d)):
@@ -194,8 +256,11 @@ class _Surface:
                 self._add(face)
 
     def _uneven(self, a: int, b: int, c: int, d: int) -> bool:
-        """Whether turning the edge a-b brings vertices closer to six neighbours."""
-        excess = [len(self.around[v]) - 6 for v in (a, b, c, d)]
+        """Whether turning the edge a-b brings vertices closer to six neighbours.
+
+        A vertex on the rim has three faces of its own then, and two with the ghost.
+        """
+        excess = [len(self.around[v]) - (5 if self._on_rim(v) else 6) for v in (a, b, c, d)]
         change = (-1, -1, 1, 1)
         after = sum((e + x) ** 2 for e, x in zip(excess, change, strict=True))
         return after < sum(e**2 for e in excess)
@@ -215,15 +280,18 @@ class _Surface:
         for number in (self.around[a] | self.around[b]) - (self.around[a] & self.around[b]):
             face = self.faces[number]
             assert face is not None
+            if self.ghost in face:
+                continue
             p, q, r = (middle if v in (a, b) else self.points[v] for v in face)
             if _cosine(_cross(_minus(q, p), _minus(r, p)), self._normal(face)) < 0.5:
                 return True
         return False
 
     def _edges(self) -> Iterable[tuple[float, int, int]]:
-        """(stretch, a, b) with a < b of all edges, in the order of their faces."""
+        """(stretch, a, b) with a < b of all edges, in the order of their faces; no ghost's."""
         corners = (face for face in self.faces if face is not None)
         pairs = [(p, q) for a, b, c in corners for p, q in ((a, b), (b, c), (c, a)) if p < q]
+        pairs = [pair for pair in pairs if self.ghost not in pair]
         return [(self._stretch(a, b), a, b) for a, b in pairs]
 
     def _wings(self, a: int, b: int) -> tuple[int, int] | None:
@@ -242,6 +310,13 @@ class _Surface:
 
     def _neighbors(self, vertex: int) -> set[int]:
         return {v for n in self.around[vertex] for v in self.faces[n] or ()} - {vertex}
+
+    def _on_rim(self, vertex: int) -> bool:
+        return any(self.ghost in (self.faces[n] or ()) for n in self.around[vertex])
+
+    def _ties(self, vertex: int) -> set[int]:
+        """Find the neighbours on the rim: an edge across the half between two would double."""
+        return {v for v in self._neighbors(vertex) if self._on_rim(v)}
 
     def _stretch(self, a: int, b: int) -> float:
         """Length of an edge, by the length that it should have."""

@@ -1,0 +1,69 @@
+"""``moseg recipes``: which recipes are installed, and their text as a start for one's own."""
+
+from __future__ import annotations
+
+import sys
+from typing import Any
+
+from rich.table import Table
+from rich.text import Text
+
+from moseg_core.cli.console import console, print_json
+from moseg_core.errors import MosegError, PluginError
+from moseg_core.plugins import Component, registry
+from moseg_core.recipe import Recipe, parse_recipe
+
+
+def run_recipes(name: str | None, *, as_json: bool) -> None:
+    """Print the list, or one recipe."""
+    if name is not None:
+        component = registry().find("recipe", name)
+        text = _text(component)
+        if as_json:
+            read = parse_recipe(text, component.spec.name)
+            print_json({**_document(component, read, None), "toml": text})
+        else:
+            sys.stdout.write(text)
+        return
+    found = [(component, *_read(component)) for component in registry().components("recipe")]
+    if as_json:
+        print_json([_document(*entry) for entry in found])
+        return
+    short = set(registry().names("recipe"))
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    for heading in ("recipe", "bundle", "description"):
+        table.add_column(heading, overflow="fold")
+    for component, recipe, problem in found:
+        called = component.spec.name if component.spec.name in short else component.id
+        told = Text(recipe.description) if recipe else Text(f"cannot be used: {problem}", "red")
+        table.add_row(Text(called), Text(component.bundle), told)
+    console(sys.stdout).print(table)
+
+
+def _text(component: Component) -> str:
+    """The TOML of a recipe, character by character as its bundle has it."""
+    text = component.load()
+    if not isinstance(text, str):
+        raise PluginError(f"{component.who} is a {type(text).__name__}, not a text")
+    return text
+
+
+def _read(component: Component) -> tuple[Recipe | None, str | None]:
+    """A recipe, or what is wrong with it: one that is broken does not hide the others."""
+    try:
+        return parse_recipe(_text(component), component.spec.name), None
+    except MosegError as error:
+        return None, str(error)
+
+
+def _document(component: Component, recipe: Recipe | None, problem: str | None) -> dict[str, Any]:
+    return {
+        "name": component.spec.name,
+        "id": component.id,
+        "bundle": component.bundle,
+        "distribution": component.distribution,
+        "problem": problem,
+        "description": recipe.description if recipe else None,
+        "labels": list(recipe.labels) if recipe else None,
+        "minimize": recipe.minimize if recipe else None,
+    }

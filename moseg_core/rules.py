@@ -1,0 +1,288 @@
+"""Constraints as a user writes them: ``mirror(leg2, leg1)``, ``on_plane(body)``, or a function.
+
+A rule is a call of the expression language, whose parameters may be words, or an object made from
+a function by :func:`constraint`. Names and labels are looked up before any shape is read; the
+constraint itself (:class:`moseg_core.protocols.Constraint`) is made when the shape is there, and
+:mod:`moseg_core.constraints` puts several together.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from moseg_core.binding import chosen_labels
+from moseg_core.errors import ExpressionError, PluginError, UsageError
+from moseg_core.language import Term, parse_constraint
+from moseg_core.parameters import Parameter, check_parameters, declared_parameters
+from moseg_core.plugins import Component, Registry
+from moseg_core.protocols import Constraint
+from moseg_core.shape import Shape
+from moseg_core.types import FloatArray
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Rule:
+    """A constraint that was found and checked, and waits for its shape.
+
+    Parameters
+    ----------
+    text : str
+        As written: ``mirror(leg2, leg1)``.
+    id : str
+        ``bundle:name``; ``python:name`` for one given as a function.
+    distribution : str
+        Where it comes from, for messages.
+    factory : callable
+        Makes the constraint from a shape and labels.
+    labels : tuple of int
+    parameters : dict of str to value
+    component : Component or None
+        None for a constraint of the calling program.
+    """
+
+    text: str
+    id: str
+    distribution: str
+    factory: Callable[..., Any]
+    labels: tuple[int, ...]
+    parameters: dict[str, Any]
+    component: Component | None = None
+
+    def make(self, shape: Shape) -> Constraint:
+        """The constraint on a shape.
+
+        Raises
+        ------
+        PluginError
+            It cannot be made, or is none.
+        """
+        if self.component is None:
+            made = self.factory(shape, self.labels, **self.parameters)
+        else:
+            with self.component.guard("cannot be made"):
+                made = self.factory(shape, self.labels, **self.parameters)
+        if not isinstance(made, Constraint):
+            raise PluginError(
+                f"constraint '{self.id}' of {self.distribution} makes a {type(made).__name__},"
+                f" which is not a Constraint"
+            )
+        return made
+
+    @property
+    def role(self) -> tuple[Any, ...]:
+        """What two rules have in common that say the same of different labels."""
+        return (self.id, tuple(sorted(self.parameters.items())))
+
+
+class FunctionConstraint:
+    """A constraint made from a function by :func:`constraint`.
+
+    Parameters
+    ----------
+    function : callable
+        (k,) float to (L, 4) float, a row for each label that it is given.
+    start : (k,) float
+        Free numbers from which :meth:`Constraint.reduce` seeks those nearest to given centres.
+    """
+
+    def __init__(self, function: Callable[[FloatArray], Any], start: FloatArray) -> None:
+        self.function, self.start = function, start
+        self.__name__ = getattr(function, "__name__", "constraint")
+        self.__doc__ = function.__doc__
+        self.parameters: tuple[Parameter, ...] = ()
+
+    def __call__(self, shape: Shape, labels: Sequence[int]) -> Constraint:
+        """The constraint on certain labels; the same for every shape."""
+        return _Follows(self, tuple(labels))
+
+
+def constraint(*, start: Sequence[float]) -> Callable[[Callable[..., Any]], FunctionConstraint]:
+    """Turn a function of the free parameters into a constraint (Sec. 8).
+
+    Parameters
+    ----------
+    start : sequence of float
+        One number for each free parameter: where to begin when the parameters nearest to given
+        centres are sought, by least squares. Somewhere in the middle of what is sensible.
+
+    Returns
+    -------
+    callable
+        A decorator for a function that takes the (k,) free parameters and returns a row ``x, y,
+        z, w`` for every label: position in unit coordinates, in which the centre of the bounding
+        box is the origin and its diagonal is 1, and weight.
+
+    Raises
+    ------
+    ValueError
+        No free parameters, or ones that are not finite.
+
+    Examples
+    --------
+    Two centres at equal distances from the middle:
+
+    >>> @constraint(start=[0.3, 1.0])
+    ... def opposite(free):
+    ...     x, w = free
+    ...     return [[x, 0, 0, w], [-x, 0, 0, w]]
+    >>> both = opposite(None, (0, 1))
+    >>> free, centers = both.reduce(np.array([[0.2, 0, 0, 1], [-0.4, 0, 0, 1]]))
+    >>> free.round(6).tolist()
+    [0.3, 1.0]
+    """
+    first = np.array(start, dtype=np.float64)
+    if first.ndim != 1 or len(first) == 0 or not np.isfinite(first).all():
+        raise ValueError(f"start needs a finite number for each free parameter, not {start!r}")
+
+    def decorate(function: Callable[..., Any]) -> FunctionConstraint:
+        return FunctionConstraint(function, first)
+
+    return decorate
+
+
+class _Follows:
+    """Rows of labels that a function gives from numbers of its own."""
+
+    reads: tuple[int, ...] = ()
+
+    def __init__(self, source: FunctionConstraint, labels: tuple[int, ...]) -> None:
+        self._source = source
+        self.determines = labels
+        self.lower = np.full(len(source.start), -np.inf)
+        self.upper = np.full(len(source.start), np.inf)
+
+    def _rows(self, free: FloatArray) -> FloatArray:
+        rows = np.asarray(self._source.function(free), dtype=np.float64)
+        if rows.shape != (len(self.determines), 4):
+            raise UsageError(
+                f"constraint '{self._source.__name__}' must return a row x, y, z, w for each of"
+                f" {len(self.determines)} labels, not an array of shape {rows.shape}"
+            )
+        return rows
+
+    def expand(self, free: FloatArray, centers: FloatArray) -> FloatArray:
+        whole = centers.copy()
+        whole[list(self.determines)] = self._rows(free)
+        return whole
+
+    def reduce(self, centers: FloatArray) -> tuple[FloatArray, FloatArray]:
+        from scipy.optimize import least_squares
+
+        wanted = centers[list(self.determines)]
+        tight = 4 * np.finfo(np.float64).eps
+
+        def apart(free: FloatArray) -> FloatArray:
+            return (self._rows(free) - wanted).ravel()
+
+        found = least_squares(
+            apart,
+            self._source.start,
+            xtol=tight,
+            ftol=tight,
+            gtol=tight,
+        )
+        free: FloatArray = found.x
+        return free, self.expand(free, centers)
+
+
+def bind_rules(
+    given: Sequence[str | Callable[..., Any]],
+    labels: Sequence[str],
+    registry: Registry,
+    plane: str | None,
+) -> tuple[Rule, ...]:
+    """Look up everything that constraints name.
+
+    Parameters
+    ----------
+    given : sequence of str or callable
+        Calls such as ``"on_plane(head, body)"``, or objects made by :func:`constraint`, which
+        are about all labels.
+    labels : sequence of str
+        The problem's labels.
+    registry : Registry
+    plane : str or None
+        For constraints that take a parameter of this name and are not given one.
+
+    Raises
+    ------
+    ExpressionError
+        Unknown constraint, label or parameter, with the nearest name.
+    UsageError
+        Something else than a text or a constraint.
+    PluginError
+        A constraint whose bundle is broken.
+    """
+    if isinstance(given, str):
+        raise UsageError(f"constraints must be a list of calls, not the text '{given}'")
+    found: list[Rule] = []
+    for item in given:
+        if isinstance(item, str):
+            found += _from_text(item, labels, registry, plane)
+        elif isinstance(item, FunctionConstraint):
+            name = item.__name__
+            every = tuple(range(len(labels)))
+            found.append(
+                Rule(
+                    text=name,
+                    id=f"python:{name}",
+                    distribution="the calling program",
+                    factory=item,
+                    labels=every,
+                    parameters={},
+                )
+            )
+        else:
+            raise UsageError(
+                f"a constraint is a text such as 'mirror(leg2, leg1)' or a function decorated with"
+                f" @moseg_core.constraint(start=...), not {item!r:.60}"
+            )
+    return tuple(found)
+
+
+def _from_text(
+    text: str, labels: Sequence[str], registry: Registry, plane: str | None
+) -> list[Rule]:
+    term = parse_constraint(text)
+    try:
+        component = registry.find("constraint", term.name)
+    except UsageError as error:
+        raise ExpressionError(str(error), text, *term.span) from error
+    factory = component.load()
+    try:
+        declared = (
+            factory.parameters
+            if isinstance(factory, FunctionConstraint)
+            else declared_parameters(factory)
+        )
+    except TypeError as error:
+        raise PluginError(f"{component.who} cannot be used: {error}") from error
+    parameters = _parameters(term, text, declared)
+    if plane is not None and any(parameter.name == "plane" for parameter in declared):
+        parameters.setdefault("plane", plane)
+    chosen = chosen_labels(term, text, labels) or list(range(len(labels)))
+    # A constraint on single centres that is given several is meant for each of them.
+    each = [(label,) for label in chosen] if getattr(factory, "each", False) else [tuple(chosen)]
+    return [
+        Rule(
+            text=str(term) if len(each) == 1 else f"{term.name}({labels[group[0]]})",
+            id=component.id,
+            distribution=component.distribution,
+            factory=factory,
+            labels=group,
+            parameters=parameters,
+            component=component,
+        )
+        for group in each
+    ]
+
+
+def _parameters(term: Term, text: str, declared: tuple[Parameter, ...]) -> dict[str, Any]:
+    try:
+        return check_parameters(declared, dict(term.parameters), f"'{term.name}'")
+    except UsageError as error:
+        raise ExpressionError(str(error), text, *term.span) from error
