@@ -1,11 +1,11 @@
 """Carrying a surface along with its landmarks: as rigidly as possible, each piece for itself.
 
 The landmarks have moved; where do the vertices between them go? Each follows the rotation and
-shift that moves the landmarks around it best (rigid moving least squares: S. Schaefer, T. McPhail,
-J. Warren 2006, "Image deformation using moving least squares", doi:10.1145/1179352.1141920). *Around
-it* is meant along the surface, by the weight ``distance^-4``: an arm does not follow the arm that
-it touches. So a limb is unbent and not crumpled, and an outside stays an outside: distances alone
-would leave it open which is which.
+shift that moves the landmarks around it best: *rigid moving least squares* (S. Schaefer,
+T. McPhail, J. Warren 2006, "Image deformation using moving least squares",
+doi:10.1145/1179352.1141920). What is around it is measured along the surface, and weighs
+``distance^-4``: an arm does not follow the arm that it touches. So a limb is unbent and not
+crumpled, and an outside stays an outside: distances alone would leave it open which is which.
 
 With the weighted means ``p`` of the landmarks before and ``r`` after, the rotation of a vertex is
 the one of ``sum w (a - p)(b - r)^T`` over the landmarks ``a`` that went to ``b`` (W. Kabsch 1976,

@@ -46,7 +46,7 @@ _BETTER = 0.98
 
 #: Steps for the vertices between the landmarks: more of them lower the stress by nothing that
 #: shows, and crumple thin limbs.
-_STEPS = 4
+_STEPS = 8
 
 _LANDMARKS = Interval(4, 2000)
 _STEPS_ALLOWED = Interval(0, 100_000)
@@ -155,7 +155,9 @@ class MDS:
         """
         surface = Surface.of(shape)
         solver = distance_solver(surface.vertices, surface.triangles, self.geodesics)
-        landmarks, table = farthest_points(solver.distances, self.landmarks)
+        # The order of vertices changes when a shape is turned; which one is far out does not.
+        out = np.linalg.norm(surface.vertices - surface.vertices.mean(axis=0), axis=1)
+        landmarks, table = farthest_points(solver.distances, self.landmarks, near=int(out.argmax()))
         if self.refine:
             places = self._refined(surface, landmarks, table)
         else:

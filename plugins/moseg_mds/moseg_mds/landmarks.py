@@ -22,7 +22,7 @@ IntArray = npt.NDArray[np.int64]
 
 
 def farthest_points(
-    distances: Callable[[int], FloatArray], count: int
+    distances: Callable[[int], FloatArray], count: int, *, near: int = 0
 ) -> tuple[IntArray, FloatArray]:
     """Choose landmarks, with their distances to everything.
 
@@ -32,6 +32,9 @@ def farthest_points(
         From a vertex to the (V,) distances of all; finite.
     count : int
         How many; fewer come back where every vertex is a landmark before.
+    near : int
+        A vertex to look for the first landmark from, the end of a longest way. It matters where
+        there are several.
 
     Returns
     -------
@@ -48,27 +51,27 @@ def farthest_points(
     >>> farthest_points(lambda k: np.abs(places - places[k]), 3)[0].tolist()
     [8, 0, 4]
     """
-    first = _extremity(distances)
+    first = _extremity(distances, near)
     landmarks, rows = [first], [distances(first)]
-    nearest = rows[0].copy()
-    while len(landmarks) < min(count, len(nearest)):
-        following = int(nearest.argmax())
-        if nearest[following] <= 0.0:
+    gap = rows[0].copy()
+    while len(landmarks) < min(count, len(gap)):
+        following = int(gap.argmax())
+        if gap[following] <= 0.0:
             break
         landmarks.append(following)
         rows.append(distances(following))
-        np.minimum(nearest, rows[-1], out=nearest)
-        nearest[following] = 0.0  # whatever an approximate method says
+        np.minimum(gap, rows[-1], out=gap)
+        gap[following] = 0.0  # whatever an approximate method says
     return np.array(landmarks, np.int64), np.array(rows)
 
 
-def _extremity(distances: Callable[[int], FloatArray]) -> int:
-    """An end of the shape that does not depend on the order of its vertices, but for ties.
+def _extremity(distances: Callable[[int], FloatArray], near: int) -> int:
+    """An end of the shape.
 
     Of the two ends of a longest way, found by going to the farthest vertex a few times, it is the
     one that is farther from everything.
     """
-    here = int(distances(0).argmax())
+    here = int(distances(near).argmax())
     row = distances(here)
     there = int(row.argmax())
     return here if row.sum() >= distances(there).sum() else there

@@ -5,7 +5,8 @@ gets further nodes, *Steiner points*, and every triangle an arc between any two 
 sides of it: a path may then cross triangles in almost any direction (Lanthier, Maheshwari, Sack
 2001, "Approximating shortest paths on weighted polyhedral surfaces",
 doi:10.1007/s00453-001-0027-5). Such a path lies on the surface, hence no distance is too short;
-with three points on an edge, distances are about half a percent too long on average.
+on usual meshes they are half a percent to one percent too long on average, with one point
+on an edge 1.5 %, and then 3 to 5 % in the worst direction.
 
 Nothing is asked of the mesh: edges may belong to one triangle or to five, triangles may be needles
 or have no area. :mod:`moseg_mds.geodesics` has the methods that need better meshes.
@@ -57,7 +58,7 @@ def path_graph(vertices: FloatArray, triangles: IntArray, *, budget: int = _BUDG
     ----------
     vertices : (V, 3) float, model units
     triangles : (T, 3) int
-        Three different vertices each.
+        Corners may coincide: a side without length leads on.
     budget : int
         About how many nodes there may be; more of them are more accurate and slower. Edges get
         one point at least.
@@ -98,7 +99,7 @@ def path_graph(vertices: FloatArray, triangles: IntArray, *, budget: int = _BUDG
 
 
 def _points_per_edge(vertices: FloatArray, ends: IntArray, room: int) -> IntArray:
-    """Points for each edge by its length: one at least, and about as many in all as there is room."""
+    """Points for each edge by its length: one at least, in all about as many as there is room."""
     lengths = np.linalg.norm(vertices[ends[:, 0]] - vertices[ends[:, 1]], axis=1)
     step = float(lengths.sum()) / max(room, 1)
     if step == 0.0:

@@ -21,6 +21,7 @@ import numpy.typing as npt
 from moseg_core import Shape
 from moseg_symmetry.detection import ENOUGH, NEAR, half_sphere
 from moseg_symmetry.motions import Turns
+from moseg_symmetry.planes import tidy
 from moseg_symmetry.refine import SIGMA, loss, refined
 from moseg_symmetry.surface import DistanceGrid, Surface, surface_of
 
@@ -33,10 +34,12 @@ MOST = 12
 _ROUND = np.radians([25.0, 55.0, 105.0])
 
 _DIRECTIONS = 1000
-_COARSE_POINTS, _FEW_POINTS, _MANY_POINTS = 200, 600, 3000
+_COARSE_POINTS, _FEW_POINTS, _MANY_POINTS = 200, 500, 3000
 _COARSE_SIGMA = 0.03
 _PROMISING = 0.6
-_CANDIDATES = 9
+_CANDIDATES = {2: 9, 3: 4, 4: 3}
+_FIRST = ((0.04, 6), (SIGMA, 10))
+_ROUGHLY = 1e-2
 _APART = np.sin(np.radians(12.0))
 _SAME = 0.04
 _AS_GOOD = 1e-3
@@ -100,7 +103,7 @@ def detect_axes(shape: Shape) -> list[AxisSymmetry]:
     few, many = surface.samples(_FEW_POINTS), surface.samples(_MANY_POINTS)
     found: list[tuple[Turns, AxisSymmetry]] = []
     for fold, start in _candidates(surface):
-        motion = refined(surface, start, few, schedule=[(0.04, 6), (SIGMA, 10)])
+        motion = refined(surface, start, few, schedule=_FIRST, worth=_ROUGHLY)
         if loss(surface.distances(motion.images(few).reshape(-1, 3)), SIGMA) > _PROMISING:
             continue
         motion = refined(surface, motion, many, schedule=[(SIGMA, 6)])
@@ -132,7 +135,10 @@ def _greatest(axes: Sequence[AxisSymmetry]) -> AxisSymmetry:
 
 
 def _candidates(surface: Surface) -> list[tuple[int | None, Turns]]:
-    """For every number of sides the most promising axes, far from each other."""
+    """For every number of sides the most promising axes, far from each other.
+
+    As many as there can be: a cube has four axes of 3 and three of 4.
+    """
     grid, points = DistanceGrid.of(surface), surface.samples(_COARSE_POINTS)
     principal = np.linalg.eigh(points.T @ points)[1].T
     directions = np.concatenate([principal, np.eye(3), half_sphere(_DIRECTIONS)])
@@ -146,8 +152,9 @@ def _candidates(surface: Surface) -> list[tuple[int | None, Turns]]:
     found: list[tuple[int | None, Turns]] = []
     for fold, column in zip(kinds, by_kind.T, strict=True):
         chosen: list[int] = []
+        most = _CANDIDATES.get(fold or 0, 2)
         for i in np.argsort(column, kind="stable"):
-            if column[i] > _PROMISING or len(chosen) == _CANDIDATES:
+            if column[i] > _PROMISING or len(chosen) == most:
                 break
             cosines = directions[chosen] @ directions[i]
             if (1.0 - cosines**2 >= _APART**2).all():
@@ -167,8 +174,8 @@ def _judged(surface: Surface, motion: Turns, fold: int | None, points: FloatArra
     sign = np.sign(direction[np.argmax(np.abs(direction))])
     foot = whole.point - (whole.point @ direction) * direction
     return AxisSymmetry(
-        point=surface.center + surface.size * foot,
-        direction=sign * direction + 0.0,
+        point=tidy(surface.center + surface.size * foot, surface.size),
+        direction=tidy(sign * direction, 1.0),
         fold=fold,
         residual=SIGMA * float(np.sqrt(loss(distances, SIGMA))),
         share=float((distances <= NEAR).mean()),

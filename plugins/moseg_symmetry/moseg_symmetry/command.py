@@ -105,7 +105,9 @@ def report(found: Symmetries) -> list[str]:
     else:
         lines.append("no axis of symmetry")
     if sum(axis.fold is None for axis in found.axes) > 1:
-        lines.append("several axes of revolution: it is a ball, and so is every axis through them")
+        lines.append(
+            "several axes of revolution: it is a ball, the same after any turn about its middle"
+        )
     return lines
 
 

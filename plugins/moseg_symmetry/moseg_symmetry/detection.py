@@ -21,7 +21,7 @@ import numpy.typing as npt
 
 from moseg_core import Shape, ShapeError
 from moseg_symmetry.motions import Reflection
-from moseg_symmetry.planes import Plane
+from moseg_symmetry.planes import Plane, tidy
 from moseg_symmetry.refine import SIGMA, loss, refined
 from moseg_symmetry.surface import DistanceGrid, Surface, surface_of
 
@@ -30,18 +30,22 @@ FloatArray = npt.NDArray[np.float64]
 #: A point is mapped onto the surface if its image is within this of it, in sizes.
 NEAR = 0.01
 
-#: Share of the area that a plane of symmetry maps onto the surface.
-ENOUGH = 0.7
+#: Share of the area that a plane of symmetry maps onto the surface (docs/symmetry.md has why).
+ENOUGH = 0.67
 
 _NORMALS = 1000
 _OFFSETS = np.linspace(-0.12, 0.12, 11)
-_COARSE_POINTS, _FEW_POINTS, _MANY_POINTS = 300, 800, 4000
+_COARSE_POINTS, _FEW_POINTS, _MANY_POINTS = 300, 600, 4000
 _COARSE_SIGMA = 0.03
 _CANDIDATES = 16
 _FINALISTS = 12
 _PROMISING = 0.35
+_FIRST = ((0.04, 8), (SIGMA, 8))
+_ROUGHLY = 5e-3
+_FINISHED = 4
 _APART = np.sin(np.radians(12.0))
 _SAME = 0.04
+_AS_GOOD = 2e-4
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -120,22 +124,23 @@ def require_plane(shape: Shape) -> PlaneSymmetry:
         return holding[0]
     best = max(found, key=lambda symmetry: symmetry.share)
     raise ShapeError(
-        f"'{shape.name}' has no plane of symmetry: the best one maps only {best.share:.0%} of the"
-        f" surface onto itself within {NEAR:.0%} of its size, and {ENOUGH:.0%} are asked for"
-        f" (residual {best.residual:.2%}, plane {best.plane}); a plane can also be given"
+        f"'{shape.name}' has no plane of symmetry: the best one maps only {100 * best.share:.0f} %"
+        f" of the surface onto itself within {100 * NEAR:.0f} % of its size, and"
+        f" {100 * ENOUGH:.0f} % are asked for (residual {100 * best.residual:.2f} %,"
+        f" plane {best.plane}); a plane can also be given"
     )
 
 
 def preferred(found: Sequence[PlaneSymmetry]) -> PlaneSymmetry:
     """The one that ``auto`` means: the least residual; of those as good, the halves furthest apart.
 
-    Residuals are as good if they differ by no more than a thousandth of the size. Then the plane
+    Residuals are as good if they differ by no more than 0.02 % of the size. Then the plane
     from which the surface spreads furthest is taken, which cuts a long table across; and of planes
     alike in this too (a cube's) the one whose normal is nearest to the x axis of the file, or to
     the y axis.
     """
     least = min(symmetry.residual for symmetry in found)
-    left = [symmetry for symmetry in found if symmetry.residual <= least + 1e-3]
+    left = [symmetry for symmetry in found if symmetry.residual <= least + _AS_GOOD]
     widest = max(symmetry.spread for symmetry in left)
     left = [symmetry for symmetry in left if symmetry.spread >= 0.995 * widest]
     for axis in range(3):
@@ -148,12 +153,12 @@ def reflections(surface: Surface) -> list[Reflection]:
     """The best reflections of a surface, in the order of their residuals."""
     few, many = surface.samples(_FEW_POINTS), surface.samples(_MANY_POINTS)
     improved = [
-        refined(surface, start, few, schedule=[(0.04, 8), (SIGMA, 8)])
+        refined(surface, start, few, schedule=_FIRST, worth=_ROUGHLY)
         for start in _candidates(surface)
     ]
     losses, different = _different(surface, improved, few)
-    # Two at least, so that the best can be named where none is good.
-    count = min(max(2, int((losses < _PROMISING).sum())), _FINALISTS)
+    # Some at least, so that the best can be named where none is good.
+    count = min(max(_FINISHED, int((losses < _PROMISING).sum())), _FINALISTS)
     ended = [refined(surface, motion, many, schedule=[(SIGMA, 12)]) for motion in different[:count]]
     return _different(surface, ended, many)[1]
 
@@ -206,7 +211,9 @@ def _judged(surface: Surface, motion: Reflection) -> PlaneSymmetry:
     distances = surface.distances(motion.images(points)[0])
     plane = motion.plane
     return PlaneSymmetry(
-        plane=Plane.through(surface.center + surface.size * plane.point, plane.normal),
+        plane=Plane.through(
+            tidy(surface.center + surface.size * plane.point, surface.size), tidy(plane.normal, 1.0)
+        ),
         residual=SIGMA * float(np.sqrt(loss(distances, SIGMA))),
         share=float((distances <= NEAR).mean()),
         spread=float(np.sqrt((plane.heights(points) ** 2).mean())),

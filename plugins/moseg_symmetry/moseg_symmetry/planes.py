@@ -150,6 +150,17 @@ def read_plane(text: str, *, center: FloatArray) -> Plane:
     return Plane.through(numbers[:3], numbers[3:])
 
 
+def tidy(numbers: FloatArray, unit: float) -> FloatArray:
+    """The numbers, those that rounding left instead of 0 being 0: below 1e-12 of a unit.
+
+    Examples
+    --------
+    >>> tidy(np.array([1e-16, -3.0]), 1.0).tolist()
+    [0.0, -3.0]
+    """
+    return np.where(np.abs(numbers) < 1e-12 * unit, 0.0, numbers)
+
+
 def refuse_in(space: str, text: str) -> None:
     """Refuse a plane of the file in another space, where it means nothing.
 

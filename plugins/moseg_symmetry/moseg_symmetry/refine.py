@@ -35,6 +35,8 @@ M = TypeVar("M", bound=Motion)
 SIGMA = 0.02
 
 _CONVERGED = 1e-9
+#: What is left of an exact symmetry by rounding.
+_EXACT = 1e-16
 
 
 def loss(distances: npt.NDArray[np.floating], sigma: float) -> npt.NDArray[np.floating]:
@@ -51,7 +53,12 @@ def residual(surface: Surface, motion: Motion, points: FloatArray, sigma: float 
 
 
 def refined(
-    surface: Surface, motion: M, points: FloatArray, *, schedule: Sequence[tuple[float, int]]
+    surface: Surface,
+    motion: M,
+    points: FloatArray,
+    *,
+    schedule: Sequence[tuple[float, int]],
+    worth: float = 1e-6,
 ) -> M:
     """The motion at the nearest minimum of the residual.
 
@@ -64,18 +71,24 @@ def refined(
         Samples of the surface.
     schedule : sequence of (float, int)
         For each stage ``sigma`` and the most rounds.
+    worth : float
+        A stage ends with a round that gains no more than this share of the loss.
     """
     for sigma, rounds in schedule:
-        motion = _minimized(surface, motion, points, sigma, rounds)
+        motion = _minimized(surface, motion, points, sigma, rounds, worth)
     return motion
 
 
-def _minimized(surface: Surface, motion: M, points: FloatArray, sigma: float, rounds: int) -> M:
+def _minimized(
+    surface: Surface, motion: M, points: FloatArray, sigma: float, rounds: int, worth: float
+) -> M:
     damping = 1e-3
     images = motion.images(points).reshape(-1, 3)
     distance, triangle, feet = surface.nearest(images)
     best = loss(distance, sigma)
     for _ in range(rounds):
+        if best < _EXACT:
+            break
         normals = surface.normals[triangle]
         weights = 1.0 / (1.0 + (distance / sigma) ** 2) ** 2
         gap = ((images - feet) * normals).sum(axis=1)
@@ -95,9 +108,10 @@ def _minimized(surface: Surface, motion: M, points: FloatArray, sigma: float, ro
             damping *= 10.0
         else:
             return motion
+        gain = (best - value) / best
         motion, images, best = trial, trial_images, value
         distance, triangle, feet = answer
         damping /= 10.0
-        if np.abs(step).max() < _CONVERGED:
+        if np.abs(step).max() < _CONVERGED or gain < worth:
             break
     return motion

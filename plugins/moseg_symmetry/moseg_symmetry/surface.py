@@ -11,8 +11,9 @@ distance between samples and hide the difference between good planes. There are 
 - :class:`DistanceGrid` looks up a grid of distances, to about half a cell, millions of points a
   second. It serves to find where to look more closely.
 
-Lengths are in *sizes*: the origin is the surface's centroid, and 1 is the diameter of the ball around it
-that holds the surface. Unlike the diagonal of a box this does not change as the shape turns.
+Lengths are in *sizes*: the origin is the surface's centroid, and 1 is the diameter of the ball
+around it that holds the surface. Unlike the diagonal of a box this does not change as the shape
+turns.
 """
 
 from __future__ import annotations
