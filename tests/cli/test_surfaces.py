@@ -92,6 +92,10 @@ def test_a_grid_from_file_to_files(moseg, grid, tmp_path, voxels):
         (("--minimize", "axial_symmetric(a)"), 3, "'axial_symmetric' needs a surface"),
         (("--minimize", "narrow(a)", "-o", "x.npy"), 2, "'ball' is a point cloud; an .npy file"),
         (("--minimize", "narrow(a)", "--clip"), 3, "boundaries can be clipped on a mesh only"),
+        (("--minimize", "narrow(a)", "--embedding", "mds"), 3, "'ball' is a point cloud; only a"
+         " polygon mesh can be unfolded"),
+        (("--minimize", "narrow(a)", "--constraint", "mirror(b, a)"), 3, "'ball' is a point cloud,"
+         " which has no faces"),
         (("--minimize", "narrow(a)", "--volume", "hul"), 2, "a volume is a positive number"),
         (("--minimize", "narrow(a)", "--adjacency", "kn"), 2, "knn"),
         (("--minimize", "narrow(a)", "--voxels", "cells"), 2, "surface"),
