@@ -3,7 +3,13 @@
 Adjacency is a CSR pair as in ``scipy.sparse``: the neighbours of element ``f`` are
 ``indices[indptr[f]:indptr[f + 1]]``, ascending, without ``f`` itself. Two polygons are
 neighbours when they share an edge by position; around a non-manifold edge all are neighbours of
-all. The same edges tell whether the mesh encloses a volume.
+all. The same edges tell whether the mesh encloses a volume. Cells of a solid grid are neighbours
+when they share a face, and those of its surface when they share an edge: along a slope the cells
+of a staircase touch in no more than that.
+
+Points have no neighbours, nor have polygons of a soup. Where the user asks for it, elements that
+are *mutually* among each other's nearest count as neighbours: one-sided nearness would bridge the
+gap between two sheets as soon as one of them is sampled more sparsely.
 """
 
 from __future__ import annotations
@@ -17,6 +23,10 @@ from scipy.sparse import csgraph
 
 from moseg_core.mesh import PolygonMesh
 from moseg_core.types import FloatArray, Int32Array, IntArray, frozen
+from moseg_core.voxels import VoxelGrid
+
+NEAREST = 10
+"""How many nearest elements may be neighbours, unless the user says otherwise."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,6 +72,12 @@ class Adjacency:
     def n_elements(self) -> int:
         """Number of elements, F."""
         return len(self.indptr) - 1
+
+    @cached_property
+    def pairs(self) -> IntArray:
+        """(E, 2) int: each element with each of its neighbours."""
+        rows = np.repeat(np.arange(self.n_elements), np.diff(self.indptr))
+        return np.stack([rows, self.indices.astype(np.int64)], axis=1)
 
     def neighbors(self, element: int) -> Int32Array:
         """The elements next to one element, ascending."""
@@ -125,6 +141,60 @@ def mesh_adjacency(mesh: PolygonMesh) -> Adjacency:
         pairs.append(np.stack([members[:, first], members[:, second]], axis=-1).reshape(-1, 2))
     joined = np.concatenate(pairs) if pairs else np.empty((0, 2), np.int64)
     return Adjacency.from_pairs(joined, mesh.n_polygons)
+
+
+def grid_adjacency(grid: VoxelGrid) -> Adjacency:
+    """Neighbouring cells of a grid: those that share a face or, on a surface, an edge.
+
+    Examples
+    --------
+    >>> stairs = VoxelGrid.from_occupied(np.array([[[True, False], [False, True]]]))
+    >>> grid_adjacency(stairs).indices.tolist()
+    []
+    """
+    number = grid.spread(np.arange(grid.n_elements), -1)
+    most = 1 if grid.solid else 2
+    steps = [
+        step
+        for step in np.ndindex(3, 3, 3)
+        # Of two opposite steps one is enough.
+        if 0 < sum(abs(k - 1) for k in step) <= most and step > (1, 1, 1)
+    ]
+    padded = np.pad(number, 1, constant_values=-1)
+    pairs = []
+    for i, j, k in steps:
+        beside = padded[i : i + number.shape[0], j : j + number.shape[1], k : k + number.shape[2]]
+        both = (number >= 0) & (beside >= 0)
+        pairs.append(np.stack([number[both], beside[both]], axis=1))
+    return Adjacency.from_pairs(np.concatenate(pairs), grid.n_elements)
+
+
+def near_pairs(points: FloatArray, nearest: int = NEAREST) -> IntArray:
+    """(E, 2) int: pairs of points each of which is among the nearest of the other.
+
+    Parameters
+    ----------
+    points : (F, 3) float
+    nearest : int
+        How many others are the nearest of a point.
+
+    Examples
+    --------
+    >>> near_pairs(np.array([[0.0, 0, 0], [1, 0, 0], [5, 0, 0]]), 1).tolist()
+    [[0, 1]]
+    """
+    from scipy.spatial import cKDTree
+
+    count = len(points)
+    near = min(nearest + 1, count)
+    found = cKDTree(points).query(points, near)[1].reshape(count, near)
+    rows = np.repeat(np.arange(count), near)
+    columns = found.reshape(-1)
+    apart = rows != columns
+    low, high = np.minimum(rows, columns)[apart], np.maximum(rows, columns)[apart]
+    code, times = np.unique(low * count + high, return_counts=True)
+    pairs: IntArray = np.stack(np.divmod(code[times == 2], count), axis=1)
+    return pairs
 
 
 def enclosed_volume(mesh: PolygonMesh, adjacency: Adjacency) -> tuple[float | None, str]:

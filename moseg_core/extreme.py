@@ -18,7 +18,7 @@ from itertools import pairwise
 import numpy as np
 
 from moseg_core.adjacency import ranges
-from moseg_core.mesh import PolygonMesh
+from moseg_core.geometry import Geometry
 from moseg_core.types import BoolArray, FloatArray, IntArray, frozen
 
 #: Groups in a block.
@@ -27,7 +27,7 @@ _BLOCK = 8
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Extremes:
-    """Vertices that may be corners of a hull, by group of faces.
+    """Vertices that may be corners of a hull, by group of elements.
 
     Parameters
     ----------
@@ -37,7 +37,7 @@ class Extremes:
     starts : (K + 1,) int
         Where each group's begin.
     n_vertices : int
-        Of the mesh.
+        Of the geometry.
     blocks : (K,) int
         Which block of groups near each other each group belongs to.
     of_blocks : Extremes or None
@@ -71,14 +71,14 @@ class Extremes:
         return sizes
 
 
-def find_extremes(mesh: PolygonMesh, members: IntArray, points: FloatArray) -> Extremes:
-    """The corners of the convex hull of each group of faces, and of blocks of such groups.
+def find_extremes(geometry: Geometry, members: IntArray, points: FloatArray) -> Extremes:
+    """The corners of the convex hull of each group of elements, and of blocks of such groups.
 
     Parameters
     ----------
-    mesh : PolygonMesh
+    geometry : Geometry
     members : (F,) int
-        The group of each face, 0 to K - 1, each at least once.
+        The group of each element, 0 to K - 1, each at least once.
     points : (K, 3) float, model units
         Where each group is.
 
@@ -99,17 +99,17 @@ def find_extremes(mesh: PolygonMesh, members: IntArray, points: FloatArray) -> E
     >>> find_extremes(shape.geometry, np.zeros(9, int), np.zeros((1, 3))).vertices.tolist()
     [0, 1, 2, 3, 4, 5, 6, 7]
     """
-    owner = np.repeat(members[mesh.triangle_polygon], 3)
-    return _extremes(mesh, owner, mesh.triangles.reshape(-1), points)
+    owner = np.repeat(members, np.diff(geometry.offsets))
+    return _extremes(geometry, owner, geometry.corners, points)
 
 
 def _extremes(
-    mesh: PolygonMesh, owner: IntArray, vertices: IntArray, points: FloatArray
+    geometry: Geometry, owner: IntArray, vertices: IntArray, points: FloatArray
 ) -> Extremes:
     """The same from pairs of a group and a vertex, and so on for blocks, blocks of those, ..."""
     from scipy.spatial import cKDTree
 
-    vertices, starts = _corners(mesh, owner, vertices)
+    vertices, starts = _corners(geometry, owner, vertices)
     blocks = np.empty(len(points), np.int64)
     # Neighbours in the order of a tree's leaves are neighbours in space.
     blocks[cKDTree(points).indices] = np.arange(len(points)) // _BLOCK
@@ -117,35 +117,35 @@ def _extremes(
     if len(points) > _BLOCK:
         number = np.bincount(blocks)
         middle = np.stack([np.bincount(blocks, c) / number for c in points.T], axis=1)
-        of_blocks = _extremes(mesh, np.repeat(blocks, np.diff(starts)), vertices, middle)
+        of_blocks = _extremes(geometry, np.repeat(blocks, np.diff(starts)), vertices, middle)
     return Extremes(
         vertices=vertices,
         starts=starts,
-        n_vertices=len(mesh.vertices),
+        n_vertices=len(geometry.vertices),
         blocks=frozen(blocks),
         of_blocks=of_blocks,
     )
 
 
-def _corners(mesh: PolygonMesh, owner: IntArray, vertices: IntArray) -> tuple[IntArray, IntArray]:
+def _corners(geometry: Geometry, owner: IntArray, vertices: IntArray) -> tuple[IntArray, IntArray]:
     """Corners of the hull of each owner's vertices, one owner after the other; where each begins.
 
     Parameters
     ----------
-    mesh : PolygonMesh
+    geometry : Geometry
     owner, vertices : (k,) int
         Pairs in any order, maybe several times.
     """
     from scipy.spatial import ConvexHull, QhullError
 
-    pairs = np.unique(owner * len(mesh.vertices) + vertices)
-    owners, numbers = np.divmod(pairs, len(mesh.vertices))
+    pairs = np.unique(owner * len(geometry.vertices) + vertices)
+    owners, numbers = np.divmod(pairs, len(geometry.vertices))
     bounds = np.searchsorted(owners, np.arange(int(owner.max()) + 2))
     kept = []
     for first, last in pairwise(bounds):
         mine = numbers[first:last]
         if len(mine) > 4:
-            corners = mesh.vertices[mine]
+            corners = geometry.vertices[mine]
             with suppress(QhullError):  # a flat group keeps all
                 mine = np.sort(mine[ConvexHull(corners - corners.mean(axis=0)).vertices])
         kept.append(mine)

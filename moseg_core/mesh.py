@@ -14,17 +14,19 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 import numpy.typing as npt
 
 from moseg_core.errors import ShapeError
+from moseg_core.geometry import Geometry
 from moseg_core.triangulate import triangulate_polygons
-from moseg_core.types import FloatArray, IntArray, frozen
+from moseg_core.types import FloatArray, IntArray
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class PolygonMesh:
+class PolygonMesh(Geometry):
     """Polygons over shared vertices, with the triangles that they are cut into.
 
     Build one with :meth:`from_faces`.
@@ -42,16 +44,8 @@ class PolygonMesh:
         The polygon that each triangle is a piece of; ascending.
     """
 
-    vertices: FloatArray
-    corners: IntArray
-    offsets: IntArray
-    triangles: IntArray
-    triangle_polygon: IntArray
-
-    def __post_init__(self) -> None:
-        for array in (self.vertices, self.corners, self.offsets, self.triangles):
-            frozen(array)
-        frozen(self.triangle_polygon)
+    noun: ClassVar[str] = "face"
+    kind: ClassVar[str] = "polygon mesh"
 
     @classmethod
     def from_faces(
@@ -113,19 +107,12 @@ class PolygonMesh:
     @property
     def n_polygons(self) -> int:
         """Number of input polygons, F."""
-        return len(self.offsets) - 1
+        return self.n_elements
 
-    @cached_property
+    @property
     def is_triangular(self) -> bool:
         """Whether every polygon is a triangle, so that triangles and polygons coincide."""
         return len(self.triangles) == self.n_polygons
-
-    @cached_property
-    def merged(self) -> IntArray:
-        """(V,) int: for each vertex the number of its position; equal positions, equal numbers."""
-        # Adding 0.0 turns -0.0 into 0.0, which compare equal but differ in their bytes.
-        _, number = np.unique(self.vertices + 0.0, axis=0, return_inverse=True)
-        return number.reshape(-1).astype(np.int64)
 
     @cached_property
     def edges(self) -> tuple[IntArray, IntArray]:

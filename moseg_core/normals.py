@@ -6,14 +6,14 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse import csgraph
 
-from moseg_core.mesh import PolygonMesh
+from moseg_core.geometry import Geometry
 from moseg_core.types import FloatArray, IntArray
 
 # Faces that meet at a larger angle meet in an edge; others are shaded as one smooth surface.
 _CREASE = np.cos(np.radians(40.0))
 
 
-def corner_normals(mesh: PolygonMesh, labels: IntArray) -> FloatArray:
+def corner_normals(mesh: Geometry, labels: IntArray) -> FloatArray:
     """Compute normals for shading, smooth within a part except across creases.
 
     The normal of a corner is the mean, weighted by angle, of the faces around its vertex that can
@@ -22,9 +22,9 @@ def corner_normals(mesh: PolygonMesh, labels: IntArray) -> FloatArray:
 
     Parameters
     ----------
-    mesh : PolygonMesh
+    mesh : Geometry
     labels : (F,) int
-        The part of each polygon.
+        The part of each element.
 
     Returns
     -------
@@ -33,6 +33,7 @@ def corner_normals(mesh: PolygonMesh, labels: IntArray) -> FloatArray:
 
     Examples
     --------
+    >>> from moseg_core.mesh import PolygonMesh
     >>> square = PolygonMesh.from_faces([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]],
     ...                                 [[0, 1, 2, 3]])
     >>> corner_normals(square, np.array([0]))[0].tolist()
@@ -70,7 +71,7 @@ def _unit(vectors: FloatArray) -> FloatArray:
     return unit
 
 
-def _joined_corners(mesh: PolygonMesh, labels: IntArray, face: FloatArray) -> IntArray:
+def _joined_corners(mesh: Geometry, labels: IntArray, face: FloatArray) -> IntArray:
     """(E, 2) corners, numbered through all triangles, that share a vertex and a normal."""
     number = np.arange(3 * len(mesh.triangles)).reshape(-1, 3)
     position = mesh.merged[mesh.triangles]

@@ -34,7 +34,7 @@ from moseg_core.segmentation import Segmentation
 
 Arity = Literal["unary", "nary", "global"]
 CostClass = Literal["cheap", "moderate", "expensive"]
-Requirement = Literal["volume", "adjacency"]
+Requirement = Literal["volume", "adjacency", "surface"]
 Invariance = Literal["rigid", "scale", "reflection", "order", "tessellation"]
 
 COST_ORDER: dict[CostClass, int] = {"cheap": 0, "moderate": 1, "expensive": 2}
@@ -51,8 +51,9 @@ class Traits:
     range : (float, float)
         Least and greatest value. The search leaves out an expensive term of a candidate that
         cannot win even if the term took its least value, so the range must hold.
-    requires : frozenset of {"volume", "adjacency"}
-        What the shape must have; a problem is refused before the search where it lacks it.
+    requires : frozenset of {"volume", "adjacency", "surface"}
+        What the shape must have; a problem is refused before the search where it lacks it. A
+        "surface" is made of triangles, unlike a point cloud or the cells of a solid.
     invariant_to : frozenset of {"rigid", "scale", "reflection", "order", "tessellation"}
         What leaves the value unchanged.
     cost : {"cheap", "moderate", "expensive"}

@@ -19,7 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from moseg_core.errors import ShapeError, UsageError
-from moseg_core.mesh import PolygonMesh
+from moseg_core.geometry import Geometry
 from moseg_core.types import FloatArray, IntArray
 
 _PICKED = (
@@ -94,12 +94,12 @@ def linear_light(colors: npt.NDArray[np.uint8]) -> FloatArray:
     return light
 
 
-def checked_labels(mesh: PolygonMesh, labels: npt.ArrayLike, names: Sequence[str]) -> IntArray:
-    """Labels as a (F,) int array, one for each polygon of the mesh and each with a name.
+def checked_labels(geometry: Geometry, labels: npt.ArrayLike, names: Sequence[str]) -> IntArray:
+    """Labels as a (F,) int array, one for each element and each with a name.
 
     Parameters
     ----------
-    mesh : PolygonMesh
+    geometry : Geometry
     labels : (F,) array_like of int
         0 to ``len(names) - 1``.
     names : sequence of str
@@ -107,25 +107,27 @@ def checked_labels(mesh: PolygonMesh, labels: npt.ArrayLike, names: Sequence[str
     Raises
     ------
     ShapeError
-        Not one integer label per polygon, or a label without a name.
+        Not one integer label per element, or a label without a name.
 
     Examples
     --------
+    >>> from moseg_core.mesh import PolygonMesh
     >>> mesh = PolygonMesh.from_faces([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
     >>> checked_labels(mesh, [1], ["head", "handle"]).tolist()
     [1]
     """
     array = np.asarray(labels)
-    if array.shape != (mesh.n_polygons,) or not np.issubdtype(array.dtype, np.integer):
+    noun, count = geometry.noun, geometry.n_elements
+    if array.shape != (count,) or not np.issubdtype(array.dtype, np.integer):
         raise ShapeError(
-            f"a picture or mesh file needs one integer label for each of the {mesh.n_polygons}"
-            f" polygons, not an array of {array.dtype} of shape {array.shape}"
+            f"a picture or mesh file needs one integer label for each of the {count}"
+            f" {noun}s, not an array of {array.dtype} of shape {array.shape}"
         )
     wrong = (array < 0) | (array >= len(names))
     if wrong.any():
-        polygon = int(np.argmax(wrong))
+        element = int(np.argmax(wrong))
         raise ShapeError(
-            f"polygon {polygon} has the label {array[polygon]}, which has no name;"
+            f"{noun} {element} has the label {array[element]}, which has no name;"
             f" allowed are 0 to {len(names) - 1}"
         )
     return array.astype(np.int64)

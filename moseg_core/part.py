@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from moseg_core.adjacency import ranges
 from moseg_core.errors import MosegError
 from moseg_core.memo import Memo
 from moseg_core.plugins import MeasureResolver
@@ -88,7 +89,7 @@ class Part:
 
     @property
     def area(self) -> float:
-        """Surface area, model units squared."""
+        """Surface area, model units squared; of a solid's part its volume."""
         return float(self.moments[0])
 
     def __repr__(self) -> str:
@@ -158,23 +159,27 @@ class Part:
     @cached_property
     def _surface(self) -> tuple[FloatArray, IntArray]:
         geometry = self.shape.geometry
+        used = np.zeros(len(geometry.vertices), np.bool_)
         if geometry.is_triangular:
             triangles = geometry.triangles[self.elements]
+            used[triangles] = True
         else:
             triangles = geometry.triangles[(self.labels == self.index)[geometry.triangle_polygon]]
-        used = np.zeros(len(geometry.vertices), np.bool_)
-        used[triangles] = True
+            used[geometry.corners[ranges(geometry.offsets, self.elements)]] = True
         compact = np.cumsum(used) - 1
         return frozen(geometry.vertices[used]), frozen(compact[triangles])
 
     @property
     def vertices(self) -> FloatArray:
-        """(v, 3) float, model units: the vertices that the part's faces use."""
+        """(v, 3) float, model units: the vertices that the part's elements use."""
         return self._surface[0]
 
     @property
     def triangles(self) -> IntArray:
-        """(t, 3) int: the part's faces as triangles over :attr:`vertices`."""
+        """(t, 3) int: what is seen of the part as triangles over :attr:`vertices`.
+
+        None on a point cloud. On a voxel grid the exposed faces of its cells, not the cuts.
+        """
         return self._surface[1]
 
     @cached_property

@@ -26,7 +26,7 @@ from moseg_core.constraints import Constraints
 from moseg_core.errors import PluginError, ShapeError, UsageError, unknown
 from moseg_core.language import Expression, parse
 from moseg_core.memo import Memo
-from moseg_core.objectives import objective
+from moseg_core.objectives import Requirement, objective
 from moseg_core.plugins import Registry, measure_resolver, registry
 from moseg_core.protocols import Objective, Parameterization
 from moseg_core.rules import bind_rules
@@ -206,22 +206,15 @@ class Problem:
         """
         if shape.n_elements < len(self.labels):
             raise ShapeError(
-                f"'{shape.name}' has {shape.n_elements} faces, too few for"
+                f"'{shape.name}' has {shape.n_elements} {shape.noun}s, too few for"
                 f" {len(self.labels)} labels"
             )
         for term in self.terms:
-            requires = term.objective.traits.requires
             seen = shape.in_space(term.space)
-            if "volume" in requires and seen.volume is None:
-                raise ShapeError(
-                    f"'{term.term.name}' needs an enclosed volume, but '{shape.name}' encloses"
-                    f" none: {seen.volume_reason}; repair the mesh or leave out the term"
-                )
-            if "adjacency" in requires and shape.adjacency is None:
-                raise ShapeError(
-                    f"'{term.term.name}' needs to know which elements touch, but '{shape.name}'"
-                    f" does not say; leave out the term"
-                )
+            for requirement in sorted(term.objective.traits.requires):
+                lack = _lack(seen, requirement)
+                if lack is not None:
+                    raise ShapeError(f"'{term.term.name}' needs {lack}")
 
     def evaluate(
         self, shape: Shape, labels: npt.ArrayLike, *, memo: Memo | None = None
@@ -260,6 +253,29 @@ class Problem:
             shape, labels, len(self.labels), memo=memo, measures=measures
         )
         return evaluate_segmentation(self.terms, self.labels, segmentation)
+
+
+def _lack(shape: Shape, requirement: Requirement) -> str | None:
+    """What a shape lacks and what to do about it, in words; None where it lacks nothing."""
+    if requirement == "volume" and shape.volume is None:
+        repair = "repair the mesh, " if shape.has_surface else ""
+        return (
+            f"an enclosed volume, but '{shape.name}' encloses none: {shape.volume_reason};"
+            f" {repair}leave out the term or have it estimated (--volume VALUE|hull|winding)"
+        )
+    if requirement == "adjacency" and shape.adjacency is None:
+        return (
+            f"to know which elements touch, but '{shape.name}' does not say; leave out the term"
+            f" or take the nearest (--adjacency knn)"
+        )
+    if requirement == "surface" and not shape.has_surface:
+        if shape.solid:
+            return (
+                f"a surface, but the cells of '{shape.name}' fill a solid; leave out the term or"
+                f" read the surface alone (--voxels surface)"
+            )
+        return f"a surface, but '{shape.name}' is a {shape.geometry.kind}; leave out the term"
+    return None
 
 
 def check_label_names(labels: Sequence[str]) -> tuple[str, ...]:

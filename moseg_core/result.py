@@ -20,7 +20,7 @@ from moseg_core.types import Int32Array, IntArray, frozen
 
 if TYPE_CHECKING:
     from moseg_core.clipping import Clipped
-    from moseg_core.mesh import PolygonMesh
+    from moseg_core.geometry import Geometry
 
 #: Below this share of the area a part is worth a warning.
 _SLIVER = 0.005
@@ -98,8 +98,8 @@ class Result:
         return self.problem.embed(self.shape)
 
     @property
-    def surface(self) -> tuple[PolygonMesh, Int32Array | IntArray]:
-        """What to show: a mesh and a label for each of its polygons, clipped where it was."""
+    def surface(self) -> tuple[Geometry, Int32Array | IntArray]:
+        """What to show: a geometry and a label for each element, clipped where it was."""
         if self.clipped is None:
             return self.shape.geometry, self.labels
         return self.clipped.mesh, self.clipped.labels

@@ -70,7 +70,7 @@ class Summary:
         Such parts are ranked by the core and never reach an objective.
         """
         area = self.moments[:, 0]
-        tiny = area <= 1e-14 * shape.frame.scale**2
+        tiny = area <= 1e-14 * shape.frame.scale ** (3 if shape.solid else 2)
         with np.errstate(invalid="ignore", divide="ignore"):
             mean = self.moments[:, 1:4] / area[:, None]
             spread = self.moments[:, [4, 7, 9]].sum(axis=1) / area - (mean**2).sum(axis=1)

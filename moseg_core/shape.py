@@ -1,15 +1,18 @@
 """A shape: surface elements of any kind, with what the method needs to know of each.
 
-Section 4 of the paper classifies *surface elements* (mesh faces here; cloud points or voxels
-through the same type) by a point that stands for each. Everything that a part measures from its
-elements, area, centroid and principal axes, follows from three exact numbers per element:
+Section 4 of the paper classifies *surface elements*, faces of a mesh, points of a cloud or cells
+of a voxel grid, by a point that stands for each. Everything that a part measures from its
+elements, area, centroid and principal axes, follows from three numbers per element
+(:mod:`moseg_core.moments`):
 
 - its area ``A``,
 - its centroid, ``(1/A) int x dA``,
 - its second moment ``int (x - o)(x - o)^T dA`` about the shape's centre ``o``.
 
 These add up over the elements of a part, so that a part's PCA does not depend on how its
-surface is tessellated. The geometry itself stays at hand for measures that need more.
+surface is tessellated. The geometry itself stays at hand for measures that need more. What a
+shape does not know, which elements touch or what volume it encloses, the user may have estimated
+(:meth:`Shape.with_adjacency`, :meth:`Shape.with_volume`).
 
 A shape is in the user's own units. The search works in *unit coordinates*, in which the centre
 of the bounding box is the origin and its diagonal is 1; :class:`Frame` goes between the two.
@@ -17,111 +20,41 @@ of the bounding box is the origin and its diagonal is 1; :class:`Frame` goes bet
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field, replace
-from functools import cached_property
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
 
 from moseg_core.adjacency import (
+    NEAREST,
     Adjacency,
     enclosed_volume,
+    grid_adjacency,
     mesh_adjacency,
-    ranges,
+    near_pairs,
 )
 from moseg_core.capped import capped_volume
-from moseg_core.errors import ShapeError
-from moseg_core.extreme import Extremes, find_extremes
+from moseg_core.cloud import PointCloud
+from moseg_core.errors import ShapeError, UsageError, unknown
+from moseg_core.geometry import Geometry
+from moseg_core.measured import Frame, Measured
 from moseg_core.mesh import PolygonMesh
-from moseg_core.types import FloatArray, IntArray, frozen
-
-
-@dataclass(frozen=True, eq=False)
-class Frame:
-    """Unit coordinates: ``unit = (x - center) / scale``.
-
-    Parameters
-    ----------
-    center : (3,) float, model units
-        Centre of the bounding box.
-    scale : float, model units
-        Length of the bounding box's diagonal.
-    """
-
-    center: FloatArray
-    scale: float
-
-    def to_unit(self, points: FloatArray) -> FloatArray:
-        """Model units to unit coordinates."""
-        return (points - self.center) / self.scale
-
-    def to_model(self, points: FloatArray) -> FloatArray:
-        """Unit coordinates to model units."""
-        return points * self.scale + self.center
+from moseg_core.moments import element_moments
+from moseg_core.types import FloatArray
+from moseg_core.volume import estimated_volume
+from moseg_core.voxels import Elements, VoxelGrid
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
-class Shape:
+class Shape(Measured):
     """Surface elements with their areas, moments and neighbours.
 
-    Build one with :meth:`from_mesh` or :func:`moseg_core.load`.
-
-    Parameters
-    ----------
-    points : (F, 3) float, model units
-        Where each element is: the centroid of a face.
-    areas : (F,) float, model units squared
-    first_moments : (F, 3) float
-        Area times centroid of each element, about ``frame.center``.
-    second_moments : (F, 6) float
-        xx, xy, xz, yy, yz, zz of each element's second moment about ``frame.center``.
-    frame : Frame
-    adjacency : Adjacency or None
-        None where it is not known: segments cannot then be kept connected.
-    volume : float or None, model units cubed
-        Enclosed volume; None where the surface encloses none.
-    volume_reason : str
-        Why there is no volume; empty where there is one.
-    geometry : PolygonMesh
-        The faces that the elements stand for.
-    notes : tuple of str
-        What was noticed on the way in: degenerate faces, several components, holes.
-    space, resolution : str
-        Which version of the user's shape this is; part of every memo key.
-    original : Shape or None
-        The shape that this one was deformed from (:meth:`deformed`), of the same resolution;
-        None where it lies as the user gave it.
-    fine : Shape or None
-        The shape whose elements are grouped here (:func:`moseg_core.coarse.coarsen`); None where
-        the elements are those of the input.
-    members : (F of `fine`,) int or None
-        For each element of `fine` the element here that it belongs to.
+    Build one with :meth:`from_mesh`, :meth:`from_points`, :meth:`from_voxels` or
+    :func:`moseg_core.load`. What it holds is described in
+    :class:`~moseg_core.measured.Measured`, its base.
     """
-
-    points: FloatArray
-    areas: FloatArray
-    first_moments: FloatArray
-    second_moments: FloatArray
-    frame: Frame
-    adjacency: Adjacency | None
-    volume: float | None
-    volume_reason: str = ""
-    geometry: PolygonMesh
-    notes: tuple[str, ...] = ()
-    space: str = "original"
-    resolution: str = "full"
-    original: Shape | None = None
-    fine: Shape | None = None
-    members: IntArray | None = None
-    name: str = field(default="shape")
-
-    def __post_init__(self) -> None:
-        for array in (self.points, self.areas, self.first_moments, self.second_moments):
-            frozen(array)
-        frozen(self.frame.center)
 
     @classmethod
     def from_mesh(
@@ -166,31 +99,232 @@ class Shape:
     @classmethod
     def from_polygon_mesh(cls, mesh: PolygonMesh, *, name: str = "shape") -> Shape:
         """From a mesh that was checked already; see :meth:`from_mesh`."""
-        used = mesh.vertices[mesh.corners]
+        adjacency = mesh_adjacency(mesh)
+        volume, reason = enclosed_volume(mesh, adjacency)
+        duplicates = len(mesh.vertices) - int(mesh.merged.max()) - 1
+        notes = [f"{duplicates} duplicate vertices, joined by position"] if duplicates else []
+        return cls._made(mesh, adjacency, volume, reason, notes, name)
+
+    @classmethod
+    def from_points(
+        cls,
+        points: npt.ArrayLike,
+        *,
+        areas: npt.ArrayLike | None = None,
+        normals: npt.ArrayLike | None = None,
+        adjacency: Literal["knn"] | None = None,
+        name: str = "shape",
+    ) -> Shape:
+        """From the points of a cloud; one element, and so one label, per point.
+
+        Parameters
+        ----------
+        points : (F, 3) array_like of float, model units
+        areas : (F,) array_like of float, model units squared, optional
+            How much surface each point stands for; estimated by default
+            (:mod:`moseg_core.cloud`).
+        normals : (F, 3) array_like of float, optional
+            Directions away from the surface, of any length; the volume can be estimated from
+            them (:meth:`with_volume`).
+        adjacency : "knn", optional
+            See :meth:`with_adjacency`. By default it is not known which points touch.
+        name : str
+
+        Raises
+        ------
+        ShapeError
+            Malformed arrays, numbers that are not finite, points in one place only.
+
+        Examples
+        --------
+        >>> shape = Shape.from_points([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]])
+        >>> shape.n_elements, shape.adjacency, shape.volume
+        (4, None, None)
+        """
+        cloud = PointCloud.from_points(points, areas=areas, normals=normals)
+        made = cls._made(cloud, None, None, "it is a point cloud", [], name)
+        return made if adjacency is None else made.with_adjacency(adjacency)
+
+    @classmethod
+    def from_voxels(
+        cls,
+        occupied: npt.ArrayLike,
+        *,
+        pitch: float = 1.0,
+        origin: npt.ArrayLike = (0.0, 0.0, 0.0),
+        elements: Elements = "solid",
+        name: str = "shape",
+    ) -> Shape:
+        """From the occupied cells of a grid; one element, and so one label, per cell.
+
+        Parameters
+        ----------
+        occupied : (nx, ny, nz) array_like of bool
+        pitch : float, model units
+            Side of a cell.
+        origin : (3,) array_like of float, model units
+            Least corner of the cell (0, 0, 0).
+        elements : {"solid", "surface"}
+            Whether all occupied cells are elements, in C order, or only those with an exposed
+            face; see :mod:`moseg_core.voxels`.
+        name : str
+
+        Raises
+        ------
+        ShapeError
+            No grid in three dimensions, no occupied cell, a pitch that is not positive.
+        UsageError
+            Other elements.
+
+        Examples
+        --------
+        >>> block = Shape.from_voxels(np.ones((3, 3, 3), bool), pitch=2.0)
+        >>> block.n_elements, block.volume, block.solid
+        (27, 216.0, True)
+        """
+        grid = VoxelGrid.from_occupied(occupied, pitch=pitch, origin=origin, elements=elements)
+        return cls._made(grid, grid_adjacency(grid), grid.volume, "", [], name)
+
+    @classmethod
+    def _made(
+        cls,
+        geometry: Geometry,
+        adjacency: Adjacency | None,
+        volume: float | None,
+        reason: str,
+        notes: list[str],
+        name: str,
+    ) -> Shape:
+        """From a geometry and what is known of it; measures the elements."""
+        used = geometry.vertices[geometry.corners]
         low, high = used.min(axis=0), used.max(axis=0)
         scale = float(np.linalg.norm(high - low))
         frame = Frame((low + high) / 2.0, scale)
-        points, areas, first, second = _element_moments(mesh, frame.center)
+        moments = element_moments(geometry, frame.center)
         # A bounding box of no extent, or needles only: nothing to measure areas against.
-        degenerate = areas <= 1e-14 * scale**2
+        degenerate = moments.areas <= 1e-14 * scale ** (3 if geometry.solid else 2)
         if scale == 0.0 or degenerate.all():
             raise ShapeError(
-                f"all {mesh.n_polygons} faces are degenerate: they have no area to segment"
+                f"all {geometry.n_elements} {geometry.noun}s are degenerate: they have no area to"
+                f" segment"
             )
-        adjacency = mesh_adjacency(mesh)
-        volume, reason = enclosed_volume(mesh, adjacency)
+        flat = int(degenerate.sum())
+        if flat:
+            notes = [
+                *notes,
+                f"{flat} {geometry.noun}s have no area; they take part and carry no weight",
+            ]
+        components = 1 if adjacency is None else adjacency.components()[0]
+        if components > 1:
+            notes = [*notes, _in_components(components)]
+        if reason:
+            notes = [*notes, f"encloses no volume: {reason}"]
         return cls(
-            points=points,
-            areas=areas,
-            first_moments=first,
-            second_moments=second,
+            points=moments.points,
+            areas=moments.areas,
+            first_moments=moments.first,
+            second_moments=moments.second,
             frame=frame,
             adjacency=adjacency,
             volume=volume,
             volume_reason=reason,
-            geometry=mesh,
-            notes=_notes(mesh, adjacency, int(degenerate.sum()), reason),
+            geometry=geometry,
+            notes=tuple(notes),
             name=name,
+        )
+
+    def with_adjacency(self, which: str, *, nearest: int = NEAREST) -> Shape:
+        """The same shape with other neighbours.
+
+        Parameters
+        ----------
+        which : {"auto", "knn", "none"}
+            "auto" is what the shape knows of itself: shared edges of polygons, shared faces of
+            cells, nothing of points. "knn" adds the elements that are mutually among each
+            other's nearest. With "none" segments are not kept connected.
+        nearest : int
+            How many elements are the nearest of one.
+
+        Raises
+        ------
+        UsageError
+            Another word.
+
+        Examples
+        --------
+        >>> pairs = Shape.from_points([[x, 0, 0] for x in (0, 1, 5, 6)])
+        >>> pairs.with_adjacency("knn", nearest=1).adjacency.components()[0]
+        2
+        """
+        if which == "auto":
+            return self
+        if which not in ("knn", "none"):
+            raise UsageError(unknown("adjacency", which, ("auto", "knn", "none")))
+        adjacency, found = None, []
+        if which == "knn":
+            pairs = near_pairs(self.points, nearest)
+            if self.adjacency is not None:
+                pairs = np.concatenate([self.adjacency.pairs, pairs])
+            adjacency = Adjacency.from_pairs(pairs, self.n_elements)
+            components = adjacency.components()[0]
+            found = [f"the {nearest} nearest {self.noun}s count as neighbours, where mutually so"]
+            found += [_in_components(components)] if components > 1 else []
+        kept = [note for note in self.notes if not note.startswith(_COMPONENTS)]
+        return replace(self, adjacency=adjacency, notes=(*kept, *found))
+
+    def with_volume(self, volume: float | str) -> Shape:
+        """The same shape with an estimate of the volume that it encloses.
+
+        Parameters
+        ----------
+        volume : float or {"hull", "winding"}
+            In model units cubed; or that of the convex hull; or that of all places around which
+            the surface winds more than half (:mod:`moseg_core.volume`).
+
+        Raises
+        ------
+        UsageError
+            Another word, or a number that is not positive.
+        ShapeError
+            The volume cannot be estimated: a flat hull, points without normals.
+
+        Examples
+        --------
+        >>> cube = [[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)]
+        >>> Shape.from_points(cube).with_volume("hull").volume
+        1.0
+        """
+        value, how = estimated_volume(self.geometry, self.name, volume)
+        kept = [note for note in self.notes if not note.startswith("encloses no volume")]
+        return replace(
+            self,
+            volume=value,
+            volume_reason="",
+            notes=(*kept, f"the enclosed volume is taken to be {value:.6g}, {how}"),
+        )
+
+    def with_elements(self, elements: Elements) -> Shape:
+        """The same voxel grid with all cells as elements, or only those of its surface.
+
+        Parameters
+        ----------
+        elements : {"solid", "surface"}
+
+        Raises
+        ------
+        ShapeError
+            The shape is no voxel grid.
+        UsageError
+            Other elements.
+        """
+        grid = self.geometry
+        if not isinstance(grid, VoxelGrid):
+            raise ShapeError(
+                f"'{self.name}' is a {grid.kind}; only of a voxel grid can the elements be"
+                f" '{elements}'"
+            )
+        return Shape.from_voxels(
+            grid.occupied, pitch=grid.pitch, origin=grid.origin, elements=elements, name=self.name
         )
 
     def deformed(self, vertices: FloatArray, *, space: str) -> Shape:
@@ -215,7 +349,8 @@ class Shape:
         Raises
         ------
         ShapeError
-            Not one finite place for every vertex, or nothing has an area any more.
+            Not one finite place for every vertex, or nothing has an area any more; or the shape
+            is no mesh.
 
         Examples
         --------
@@ -223,6 +358,10 @@ class Shape:
         >>> flat.deformed(2 * flat.geometry.vertices, space="twice").areas.tolist()
         [2.0]
         """
+        if not isinstance(self.geometry, PolygonMesh):
+            raise ShapeError(
+                f"'{self.name}' is a {self.geometry.kind}; only a polygon mesh can be deformed"
+            )
         places = np.array(vertices, dtype=np.float64)
         if places.shape != self.geometry.vertices.shape or not np.isfinite(places).all():
             raise ShapeError(
@@ -247,175 +386,9 @@ class Shape:
             original=self,
         )
 
-    @property
-    def n_elements(self) -> int:
-        """Number of surface elements, F."""
-        return len(self.areas)
 
-    def in_space(self, space: str) -> Shape:
-        """The version of this shape in a space: itself, or the one it was deformed from.
-
-        Raises
-        ------
-        ShapeError
-            It is not known in that space.
-        """
-        if space == self.space:
-            return self
-        if self.original is not None and space == self.original.space:
-            return self.original
-        raise ShapeError(f"'{self.name}' is not known in the space '{space}'")
-
-    @property
-    def input(self) -> Shape:
-        """The shape of input elements: `fine`, or the shape itself."""
-        return self if self.fine is None else self.fine
-
-    @cached_property
-    def sizes(self) -> IntArray:
-        """(F,) int: how many input elements each element stands for."""
-        if self.members is None:
-            return np.ones(self.n_elements, np.int64)
-        return np.bincount(self.members, minlength=self.n_elements)
-
-    @cached_property
-    def element_hashes(self) -> npt.NDArray[np.uint64]:
-        """(F, 2) uint64: membership hash of each element, the sum over its input elements."""
-        from moseg_core.kernels.moments import hash_elements
-
-        hashes = np.zeros((self.n_elements, 2), np.uint64)
-        if self.fine is None or self.members is None:
-            hash_elements(hashes)
-        else:
-            np.add.at(hashes, self.members, self.fine.element_hashes)
-        return hashes
-
-    @cached_property
-    def _ranked(self) -> tuple[IntArray, IntArray]:
-        """Input elements in the order of the elements here, and where each of these begins."""
-        assert self.members is not None  # asked of coarse shapes only
-        order = np.argsort(self.members, kind="stable")
-        return order, np.concatenate([[0], np.cumsum(self.sizes)])
-
-    def expand(self, elements: IntArray) -> IntArray:
-        """Numbers of the input elements, ascending, that certain elements stand for.
-
-        Parameters
-        ----------
-        elements : (k,) int
-
-        Returns
-        -------
-        (l,) int
-            The elements themselves where the shape is not a coarse one.
-        """
-        if self.members is None:
-            return elements
-        order, starts = self._ranked
-        return np.sort(order[ranges(starts, elements)])
-
-    @cached_property
-    def extremes(self) -> Extremes | None:
-        """Vertices that matter to the hull of each element; None where elements are the input's."""
-        if self.members is None:
-            return None
-        return find_extremes(self.geometry, self.members, self.points)
-
-    @cached_property
-    def unit_points(self) -> FloatArray:
-        """(F, 3) float: the elements in unit coordinates, in which the search works."""
-        return frozen(self.frame.to_unit(self.points))
-
-    @cached_property
-    def area(self) -> float:
-        """Total surface area, model units squared."""
-        return float(self.areas.sum())
-
-    @cached_property
-    def box_diagonal(self) -> float:
-        """Diagonal of the bounding box in the shape's own PCA axes, model units.
-
-        Unlike ``frame.scale``, the diagonal in the file's axes, it does not change when the
-        shape is rotated.
-        """
-        first = self.first_moments.sum(axis=0) / self.area
-        xx, xy, xz, yy, yz, zz = self.second_moments.sum(axis=0) / self.area
-        second = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-        _, axes = np.linalg.eigh(second - np.outer(first, first))
-        corners = self.geometry.vertices[np.unique(self.geometry.corners)] @ axes
-        return float(np.linalg.norm(np.ptp(corners, axis=0)))
-
-    @cached_property
-    def fingerprint(self) -> str:
-        """Hexadecimal digest of the geometry; equal for equal files, whatever their names."""
-        digest = hashlib.sha256()
-        for array in (self.geometry.vertices, self.geometry.corners, self.geometry.offsets):
-            digest.update(np.ascontiguousarray(array).tobytes())
-        return digest.hexdigest()[:16]
-
-    @property
-    def key(self) -> tuple[object, ...]:
-        """What tells this shape from all others in the key of a remembered value."""
-        return (self.fingerprint, self.volume, self._links, self.space, self.resolution)
-
-    @cached_property
-    def _links(self) -> str:
-        if self.adjacency is None:
-            return ""
-        digest = hashlib.sha256(np.ascontiguousarray(self.adjacency.indices).tobytes())
-        return digest.hexdigest()[:16]
-
-    def __repr__(self) -> str:
-        volume = "no volume" if self.volume is None else f"volume {self.volume:.6g}"
-        return f"Shape({self.name}: {self.n_elements} elements, area {self.area:.6g}, {volume}" + (
-            f", {self.resolution})" if self.resolution != "full" else ")"
-        )
+_COMPONENTS = "the surface has"
 
 
-def _element_moments(
-    mesh: PolygonMesh, origin: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Centroid (F, 3), area (F,), first (F, 3) and second (F, 6) moments of each polygon.
-
-    Moments are about `origin`, and kept rather than derived from the centroids: those are
-    rounded in the file's coordinates, which may lie far away.
-
-    Over a triangle with corners a, b, c and area A, ``int x x^T dA`` is
-    ``A/12 (a a^T + b b^T + c c^T + s s^T)`` with ``s = a + b + c``.
-    """
-    corners = mesh.vertices[mesh.triangles] - origin
-    edge1, edge2 = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    area = np.linalg.norm(np.cross(edge1, edge2), axis=1) / 2.0
-    total = corners.sum(axis=1)
-    i, j = np.array([0, 0, 0, 1, 1, 2]), np.array([0, 1, 2, 1, 2, 2])
-    second = (corners[:, :, i] * corners[:, :, j]).sum(axis=1) + total[:, i] * total[:, j]
-    second *= area[:, None] / 12.0
-    first = total * area[:, None] / 3.0
-    middle = total / 3.0
-
-    starts = np.searchsorted(mesh.triangle_polygon, np.arange(mesh.n_polygons))
-    areas = np.add.reduceat(area, starts)
-    first = np.add.reduceat(first, starts, axis=0)
-    # A polygon of no area has no centroid by area: the mean of its triangles' stands in.
-    count = np.diff(np.append(starts, len(area)))
-    mean = np.add.reduceat(middle, starts, axis=0) / count[:, None]
-    with np.errstate(invalid="ignore", divide="ignore"):
-        points = np.where(areas[:, None] > 0, first / areas[:, None], mean)
-    return points + origin, areas, first, np.add.reduceat(second, starts, axis=0)
-
-
-def _notes(
-    mesh: PolygonMesh, adjacency: Adjacency, degenerate: int, volume_reason: str
-) -> tuple[str, ...]:
-    notes = []
-    duplicates = len(mesh.vertices) - int(mesh.merged.max()) - 1
-    if duplicates:
-        notes.append(f"{duplicates} duplicate vertices, joined by position")
-    if degenerate:
-        notes.append(f"{degenerate} faces have no area; they take part and carry no weight")
-    components, _ = adjacency.components()
-    if components > 1:
-        notes.append(f"the surface has {components} connected components")
-    if volume_reason:
-        notes.append(f"encloses no volume: {volume_reason}")
-    return tuple(notes)
+def _in_components(count: int) -> str:
+    return f"{_COMPONENTS} {count} connected components"

@@ -10,8 +10,15 @@ import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from moseg_core.adjacency import Adjacency, enclosed_volume, mesh_adjacency
+from moseg_core.adjacency import (
+    Adjacency,
+    enclosed_volume,
+    grid_adjacency,
+    mesh_adjacency,
+    near_pairs,
+)
 from moseg_core.mesh import PolygonMesh
+from moseg_core.voxels import VoxelGrid
 from tests import shapes
 from tests.references import connected_pieces, edge_neighbors
 
@@ -172,3 +179,47 @@ def test_a_surface_that_encloses_nothing_says_why(mesh, reason):
     volume, found = volume_of(PolygonMesh.from_faces(*mesh))
     assert volume is None
     assert reason in found
+
+
+def literal_grid_pairs(grid, most):
+    cells = grid.cells
+    return {
+        (a, b)
+        for a in range(len(cells))
+        for b in range(len(cells))
+        if 0 < np.abs(cells[a] - cells[b]).sum() <= most and np.abs(cells[a] - cells[b]).max() == 1
+    }
+
+
+@pytest.mark.parametrize("elements", ["solid", "surface"])
+@pytest.mark.parametrize("seed", range(4))
+def test_cells_share_faces_or_on_a_surface_edges(elements, seed):
+    occupied = np.random.default_rng(seed).random((4, 3, 5)) < 0.7
+    grid = VoxelGrid.from_occupied(occupied, elements=elements)
+    pairs = set(map(tuple, grid_adjacency(grid).pairs.tolist()))
+    assert pairs == literal_grid_pairs(grid, 1 if elements == "solid" else 2)
+
+
+def test_the_surface_of_a_slope_is_connected():
+    x, y, z = np.indices((6, 6, 6))
+    grid = VoxelGrid.from_occupied(x + y + z < 6, elements="surface")
+    assert grid_adjacency(grid).components()[0] == 1
+
+
+@pytest.mark.parametrize("nearest", [1, 3, 50])
+@pytest.mark.parametrize("seed", range(3))
+def test_near_pairs_are_mutual(nearest, seed):
+    points = np.random.default_rng(seed).normal(size=(20, 3))
+    distance = np.linalg.norm(points[:, None] - points, axis=2)
+    near = np.argsort(distance, axis=1)[:, 1 : nearest + 1].tolist()
+    expected = [
+        [a, b] for a in range(20) for b in range(a + 1, 20) if b in near[a] and a in near[b]
+    ]
+    assert near_pairs(points, nearest).tolist() == expected
+
+
+def test_near_pairs_do_not_bridge_to_a_sparser_sheet():
+    dense = np.stack([*np.indices((10, 10)).reshape(2, -1) / 10, np.zeros(100)], axis=1)
+    sparse = np.array([[0.5, 0.5, 0.3]])
+    pairs = near_pairs(np.concatenate([dense, sparse]), 6)
+    assert 100 not in pairs

@@ -127,11 +127,11 @@ def test_labels_of_any_integer_type(two_faces):
 @pytest.mark.parametrize(
     ("labels", "message"),
     [
-        ([0], "each of the 2 polygons"),
-        ([[0, 1]], "each of the 2 polygons"),
+        ([0], "each of the 2 faces"),
+        ([[0, 1]], "each of the 2 faces"),
         ([0.0, 1.0], "float64"),
-        ([0, 2], "polygon 1 has the label 2"),
-        ([-1, 0], "polygon 0 has the label -1"),
+        ([0, 2], "face 1 has the label 2"),
+        ([-1, 0], "face 0 has the label -1"),
     ],
 )
 def test_labels_that_do_not_fit(two_faces, labels, message):

@@ -370,7 +370,8 @@ def test_a_shape_without_a_volume_is_refused_with_the_reason(row):
         made.evaluate(row, [0] * 6)
     assert str(caught.value) == (
         "'hollow' needs an enclosed volume, but 'row' encloses none: it is open (14 boundary"
-        " edges); repair the mesh or leave out the term"
+        " edges); repair the mesh, leave out the term or have it estimated (--volume"
+        " VALUE|hull|winding)"
     )
     assert caught.value.exit_code == 3
     problem("a", "size(a)").check(row)

@@ -83,13 +83,17 @@ def moseg_optimizers() -> list[OptimizerSpec]:
 
 @hookimpl
 def moseg_readers() -> list[ReaderSpec]:
-    """Polygon mesh formats."""
+    """Polygon meshes, point clouds, voxel grids."""
     return [
         ReaderSpec(name="off", target="moseg_core.io.off:read_off", suffixes=(".off",)),
         ReaderSpec(name="ply", target="moseg_core.io.ply:read_ply", suffixes=(".ply",)),
         ReaderSpec(name="obj", target="moseg_core.io.obj:read_obj", suffixes=(".obj",)),
         ReaderSpec(name="stl", target="moseg_core.io.stl:read_stl", suffixes=(".stl",)),
         ReaderSpec(name="glb", target="moseg_core.io.gltf_reader:read_glb", suffixes=(".glb",)),
+        ReaderSpec(name="xyz", target="moseg_core.io.clouds:read_xyz", suffixes=(".xyz",)),
+        ReaderSpec(name="csv", target="moseg_core.io.clouds:read_csv", suffixes=(".csv",)),
+        ReaderSpec(name="npy", target="moseg_core.io.grids:read_npy", suffixes=(".npy",)),
+        ReaderSpec(name="binvox", target="moseg_core.io.grids:read_binvox", suffixes=(".binvox",)),
     ]
 
 
@@ -108,13 +112,25 @@ def moseg_writers() -> list[WriterSpec]:
             name="seg",
             target=f"{module}:write_seg",
             suffixes=(".seg",),
-            summary="one label number a line, face by face",
+            summary="one label number a line, element by element",
         ),
         WriterSpec(
             name="ply",
             target=f"{module}:write_ply",
             suffixes=(".ply",),
-            summary="the mesh with colour and label of every face",
+            summary="the mesh or points with colour and label of every element",
+        ),
+        WriterSpec(
+            name="npz",
+            target=f"{module}:write_npz",
+            suffixes=(".npz",),
+            summary="arrays for numpy: labels, names, points, areas",
+        ),
+        WriterSpec(
+            name="npy",
+            target=f"{module}:write_npy",
+            suffixes=(".npy",),
+            summary="a voxel grid with the label of every cell, else -1",
         ),
         WriterSpec(
             name="glb",

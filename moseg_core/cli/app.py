@@ -31,11 +31,13 @@ Outputs = Annotated[
     Parameter(
         name=["--out", "-o"],
         negative=(),
-        help="File to write, format by suffix: json, seg, ply, glb, png, svg. Repeatable.",
+        help="File to write; json, seg, ply, npz, npy, glb, png or svg by suffix. Repeatable.",
     ),
 ]
 Repeated = Annotated[list[str] | None, Parameter(negative=())]
 Flag = Annotated[bool, Parameter(negative=())]
+Nearness = Literal["auto", "knn", "none"]
+Cells = Literal["solid", "surface"]
 
 
 @app.command
@@ -50,6 +52,9 @@ def segment(
     plane: str | None = None,
     embedding: str | None = None,
     space: str | None = None,
+    adjacency: Nearness = "auto",
+    volume: str | None = None,
+    voxels: Cells = "solid",
     seeder: str | None = None,
     labeler: str | None = None,
     optimizer: str | None = None,
@@ -81,7 +86,7 @@ def segment(
     Parameters
     ----------
     shape
-        Mesh to segment: OFF, PLY, OBJ, STL or GLB.
+        A mesh (OFF, PLY, OBJ, STL, GLB), point cloud (PLY, XYZ, CSV) or voxel grid (NPY, BINVOX).
     recipe
         Name of an installed recipe, or path of a TOML file.
     labels
@@ -97,6 +102,12 @@ def segment(
         Unfold the shape first and find the partition there: mds; "none" leaves the recipe's out.
     space
         Where terms are evaluated that do not say (narrow(arm) @ mds): original, or the embedding.
+    adjacency
+        Which elements touch: what the shape knows of it, the nearest as well, or none.
+    volume
+        Estimate the enclosed volume: a number, "hull" or "winding".
+    voxels
+        Whether all cells of a voxel grid are elements, or only those of its surface.
     seeder
         How centres are first placed: a name, or name(key=number).
     labeler
@@ -108,7 +119,8 @@ def segment(
     start
         Go on from an earlier result (.json), also under another --minimize.
     pin
-        Elements (faces, counted from 0) that must bear a label: head=120,121. Repeatable.
+        Elements (faces, points or cells, counted from 0) that must bear a label: head=120,121.
+        Repeatable.
     freeze
         Labels, separated by commas, whose centres stay where they start.
     restarts
@@ -146,6 +158,9 @@ def segment(
             embedding=embedding,
             space=space,
         ),
+        adjacency=adjacency,
+        volume=volume,
+        voxels=voxels,
         choices={"seeder": seeder, "labeler": labeler, "optimizer": optimizer},
         centers=centers,
         start=start,
@@ -176,6 +191,9 @@ def explain(
     embedding: str | None = None,
     space: str | None = None,
     parts: Path | None = None,
+    adjacency: Nearness = "auto",
+    volume: str | None = None,
+    voxels: Cells = "solid",
     json: Flag = False,
 ) -> None:
     """Show what a segmentation costs, by term and part.
@@ -189,7 +207,7 @@ def explain(
     Parameters
     ----------
     source
-        A result (.json), or a mesh together with --parts.
+        A result (.json), or a shape together with --parts.
     recipe
         Recipe under which to evaluate.
     labels
@@ -201,7 +219,14 @@ def explain(
     space
         Where terms are evaluated that do not say: original, or the embedding.
     parts
-        Labelling to evaluate: .seg (numbers in the order of the labels), .txt, .json or .ply.
+        Labelling to evaluate: .seg (numbers in the order of the labels), .txt, .json, .ply, .npz
+        or .npy.
+    adjacency
+        Which elements touch: what the shape knows of it, the nearest as well, or none.
+    volume
+        Estimate the enclosed volume: a number, "hull" or "winding".
+    voxels
+        Whether all cells of a voxel grid are elements, or only those of its surface.
     json
         Print JSON instead of a table.
     """
@@ -209,7 +234,15 @@ def explain(
     from moseg_core.cli.request import Asked
 
     asked = Asked(recipe=recipe, labels=labels, minimize=minimize, embedding=embedding, space=space)
-    run_explain(source, asked=asked, parts=parts, as_json=json)
+    run_explain(
+        source,
+        asked=asked,
+        parts=parts,
+        adjacency=adjacency,
+        volume=volume,
+        voxels=voxels,
+        as_json=json,
+    )
 
 
 @app.command
@@ -218,6 +251,7 @@ def evaluate(
     result: Path,
     /,
     *truths: Path,
+    voxels: Cells = "solid",
     rename: str | None = None,
     json: Flag = False,
 ) -> None:
@@ -236,11 +270,13 @@ def evaluate(
     Parameters
     ----------
     shape
-        The mesh that both label.
+        The mesh, point cloud or voxel grid that both label.
     result
-        Labelling to judge: .seg, .txt, .json or .ply.
+        Labelling to judge: .seg, .txt, .json, .ply, .npz or .npy.
     truths
         One or more labellings to compare with.
+    voxels
+        Whether all cells of a voxel grid are elements, or only those of its surface.
     rename
         Names of the result and what the truth calls them: given=true,given=true.
     json
@@ -248,7 +284,7 @@ def evaluate(
     """
     from moseg_core.cli.evaluate import run_evaluate
 
-    run_evaluate(shape, result, truths, rename=rename, as_json=json)
+    run_evaluate(shape, result, truths, voxels=voxels, rename=rename, as_json=json)
 
 
 @app.command

@@ -17,8 +17,10 @@ import numpy as np
 from rich.table import Table
 
 from moseg_core.cli.console import console, message, print_json
+from moseg_core.cli.reading import read_shape
 from moseg_core.errors import UsageError, nearest
-from moseg_core.io import Labelling, load, read_labels
+from moseg_core.io import Labelling, read_labels
+from moseg_core.mesh import PolygonMesh
 from moseg_core.metrics import Agreement, Confusion, EdgeGraph, compare, confusion, fold, renamed
 from moseg_core.shape import Shape
 
@@ -39,23 +41,26 @@ _HEADINGS = {
 
 
 def run_evaluate(
-    path: Path, result: Path, truths: Sequence[Path], *, rename: str | None, as_json: bool
+    path: Path,
+    result: Path,
+    truths: Sequence[Path],
+    *,
+    voxels: str,
+    rename: str | None,
+    as_json: bool,
 ) -> None:
     """Compare and print one row per truth, their mean, and what is taken for what."""
     if not truths:
         raise UsageError("evaluate takes a shape, a result and at least one true labelling")
     translation = read_rename(rename)
-    shape = load(path)
+    shape = read_shape(path, voxels=voxels)
     found = read_labels(result, shape.n_elements)
     if translation and found.names is None:
         raise UsageError(f"{result.name} has no names of labels that --rename could replace")
     given = None if found.names is None else renamed(found.names, translation)
     true = [read_labels(truth, shape.n_elements) for truth in truths]
     _warn_about_names(result, given, translation, truths, true)
-    mesh = shape.geometry
-    graph = EdgeGraph.joined(
-        mesh.vertices, mesh.merged, *mesh.edges, centroids=shape.points, areas=shape.areas
-    )
+    graph = _edge_graph(shape)
     told = [
         compare(
             found.labels,
@@ -84,6 +89,16 @@ def run_evaluate(
         out.print("\nshare of the area in %: what it is (rows) and what it is called (columns)")
         for block in _confusion_tables(together, out.width):
             out.print(block)
+
+
+def _edge_graph(shape: Shape) -> EdgeGraph | None:
+    """The edges between the faces of a mesh; None of clouds and grids, on which cuts have none."""
+    mesh = shape.geometry
+    if not isinstance(mesh, PolygonMesh):
+        return None
+    return EdgeGraph.joined(
+        mesh.vertices, mesh.merged, *mesh.edges, centroids=shape.points, areas=shape.areas
+    )
 
 
 def read_rename(text: str | None) -> dict[str, str]:

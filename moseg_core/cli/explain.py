@@ -8,9 +8,10 @@ from pathlib import Path
 import numpy as np
 
 from moseg_core.cli.console import console, message, print_json, terms_table
+from moseg_core.cli.reading import read_shape
 from moseg_core.cli.request import Asked, read_task
 from moseg_core.errors import UsageError, unknown
-from moseg_core.io import Labelling, load, read_labels, read_result
+from moseg_core.io import Labelling, read_labels, read_result
 from moseg_core.io.writers import evaluation_document
 from moseg_core.result import find_warnings
 from moseg_core.segmentation import Segmentation
@@ -22,6 +23,9 @@ def run_explain(
     *,
     asked: Asked,
     parts: Path | None,
+    voxels: str,
+    adjacency: str,
+    volume: str | None,
     as_json: bool,
 ) -> None:
     """Explain a saved result, or evaluate a labelling of a shape."""
@@ -37,7 +41,7 @@ def run_explain(
         if parts is None:
             raise UsageError(f"'{source}' is a shape: give the labelling to explain with --parts")
         problem = read_task(asked)
-        shape = load(source)
+        shape = read_shape(source, voxels=voxels, adjacency=adjacency, volume=volume)
         labelling = read_labels(parts, shape.n_elements)
         if labelling.names is not None:
             problem = problem.fitted(labelling.names)

@@ -14,11 +14,12 @@ from rich.table import Table
 from moseg_core.choice import Choice
 from moseg_core.cli.console import console, message, print_json, progress_reporter, terms_table
 from moseg_core.cli.interrupt import stop_on_interrupt
+from moseg_core.cli.reading import read_shape
 from moseg_core.cli.request import Asked, read_pins, read_start, read_task
-from moseg_core.clipping import check_parameterization, clip
+from moseg_core.clipping import check_clippable, check_parameterization, clip
 from moseg_core.errors import UsageError
-from moseg_core.io.files import check_output, load, save
-from moseg_core.io.writers import evaluation_document
+from moseg_core.io.files import check_output, save
+from moseg_core.io.writers import check_writable, evaluation_document
 from moseg_core.method import read_resolution
 from moseg_core.nested import check_hierarchy, segment_hierarchy
 from moseg_core.pipeline import check_frozen, check_limits, matched_centers, prepare_method
@@ -30,6 +31,9 @@ def run_segment(
     path: Path,
     *,
     asked: Asked,
+    voxels: str,
+    adjacency: str,
+    volume: str | None,
     choices: Mapping[str, str | None],
     centers: str | None,
     start: Path | None,
@@ -74,8 +78,12 @@ def run_segment(
             raise UsageError(f"'{output}' is the shape itself; write the result to another file")
 
     started = time.monotonic()
-    shape = load(path)
+    shape = read_shape(path, voxels=voxels, adjacency=adjacency, volume=volume)
     problem.check(problem.embed(shape))
+    if clipped:
+        check_clippable(shape)
+    for output in outputs:
+        check_writable(output.suffix, shape)
     if earlier is not None and earlier.shape.get("fingerprint") != shape.fingerprint:
         message(
             f"warning: {start} is a result of another shape, '{earlier.shape.get('name')}'",
@@ -168,8 +176,8 @@ def _print_tables(result: Result) -> None:
     out = console(sys.stdout)
     parts = Table(box=None, pad_edge=False, header_style="bold")
     parts.add_column("part")
-    parts.add_column("faces", justify="right")
-    parts.add_column("area", justify="right")
+    parts.add_column(f"{result.shape.noun}s", justify="right")
+    parts.add_column("volume" if result.shape.solid else "area", justify="right")
     for name, part in result.parts.items():
         share = part.area / result.shape.area
         parts.add_row(name, str(part.n_elements), f"{100 * share:.1f} %")

@@ -81,7 +81,7 @@ def clip(result: Result, *, space: Shape | None = None) -> Result:
     UsageError
         The result was not found with weighted Voronoi partitions, or is one of several levels.
     ShapeError
-        `space` does not have the faces and vertices of the result's shape.
+        The shape is no mesh, or `space` does not have its faces and vertices.
 
     Examples
     --------
@@ -99,11 +99,12 @@ def clip(result: Result, *, space: Shape | None = None) -> Result:
             " result.levels, such as result.levels['']"
         )
     check_parameterization(result.method.get("parameterization", PARAMETERIZATION))
+    mesh = check_clippable(result.shape)
     space = result.partitioned if space is None else space
     return replace(
         result,
         clipped=clip_boundaries(
-            result.shape.geometry,
+            mesh,
             result.labels,
             space.points,
             result.centers.positions,
@@ -111,6 +112,21 @@ def clip(result: Result, *, space: Shape | None = None) -> Result:
             places=space.geometry.vertices,
         ),
     )
+
+
+def check_clippable(shape: Shape) -> PolygonMesh:
+    """The mesh of a shape, or an error where there are no faces to cut.
+
+    Raises
+    ------
+    ShapeError
+        The shape is a point cloud or a voxel grid.
+    """
+    if not isinstance(shape.geometry, PolygonMesh):
+        raise ShapeError(
+            f"'{shape.name}' is a {shape.geometry.kind}; boundaries can be clipped on a mesh only"
+        )
+    return shape.geometry
 
 
 def check_parameterization(name: str) -> None:

@@ -19,22 +19,22 @@ import numpy as np
 import numpy.typing as npt
 
 from moseg_core.errors import UsageError
-from moseg_core.mesh import PolygonMesh
+from moseg_core.geometry import Geometry
 from moseg_core.normals import corner_normals
 from moseg_core.palette import checked_colors, checked_labels, linear_light
 from moseg_core.types import FloatArray, IntArray
 
 
 def encode_glb(
-    mesh: PolygonMesh, labels: npt.ArrayLike, names: Sequence[str], colors: npt.ArrayLike
+    mesh: Geometry, labels: npt.ArrayLike, names: Sequence[str], colors: npt.ArrayLike
 ) -> bytes:
     """Encode a mesh as one named, coloured object per part.
 
     Parameters
     ----------
-    mesh : PolygonMesh
+    mesh : Geometry
     labels : (F,) array_like of int
-        The part of each polygon, 0 to ``len(names) - 1``.
+        The part of each element, 0 to ``len(names) - 1``.
     names : sequence of str
         One for each part, all different: names of its node, mesh and material. Parts without
         polygons are left out.
@@ -49,12 +49,13 @@ def encode_glb(
     Raises
     ------
     ShapeError
-        Not one integer label per polygon, or a label without a name.
+        Not one integer label per element, or a label without a name.
     UsageError
         Not one colour per name, or two parts of one name.
 
     Examples
     --------
+    >>> from moseg_core.mesh import PolygonMesh
     >>> tile = PolygonMesh.from_faces([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]],
     ...                               [[0, 1, 2, 3]])
     >>> encode_glb(tile, [0], ["tile"], [[65, 112, 216]])[:4]
@@ -104,7 +105,7 @@ def encode_glb(
 
 
 def _compact(
-    mesh: PolygonMesh, triangles: IntArray, normals: FloatArray
+    mesh: Geometry, triangles: IntArray, normals: FloatArray
 ) -> tuple[FloatArray, FloatArray, IntArray]:
     """Vertices and normals that differ, and the triangles over them."""
     position = mesh.merged[triangles].reshape(-1)

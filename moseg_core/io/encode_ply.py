@@ -1,4 +1,4 @@
-"""A segmented mesh as a PLY file: the user's own polygons, each with its colour and label.
+"""A segmented shape as a PLY file: the user's own polygons, each with its colour and label.
 
 The file holds what was read, vertex for vertex and face for face: nothing is triangulated,
 joined or reordered, and coordinates keep all their digits, so that the labels can be used with
@@ -8,7 +8,8 @@ the ``label`` and its names back (:mod:`moseg_core.io.ply`).
 
 The format is binary, little-endian, version 1.0. Of polygons with different numbers of corners
 the rows differ in size, which the format provides for and some readers do not expect (trimesh
-is one); where all polygons are of one kind every reader should do.
+is one); where all polygons are of one kind every reader should do. Of a point cloud the file holds
+the points, with normals where there are any, and of a voxel grid the middle of every cell.
 """
 
 from __future__ import annotations
@@ -18,8 +19,10 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import numpy.typing as npt
 
+from moseg_core.cloud import PointCloud
 from moseg_core.mesh import PolygonMesh
 from moseg_core.palette import checked_colors, checked_labels
+from moseg_core.shape import Shape
 
 
 def encode_ply(
@@ -69,12 +72,8 @@ def encode_ply(
     color = checked_colors(colors, names)[label]
     sizes = np.diff(mesh.offsets)
     length = "uchar" if sizes.max() < 256 else "int"
-    # A comment ends with its line, and one without a name would be malformed.
-    words = {index: " ".join(name.split()) for index, name in enumerate(names)}
     header = [
-        "ply",
-        "format binary_little_endian 1.0",
-        *(f"comment moseg label {index} {name}" for index, name in words.items() if name),
+        *_beginning(names),
         f"element vertex {len(mesh.vertices)}",
         *(f"property double {axis}" for axis in "xyz"),
         f"element face {mesh.n_polygons}",
@@ -87,6 +86,62 @@ def encode_ply(
     numbers = {"label": label} | ({} if source is None else {"source": source})
     faces = _face_rows(mesh, sizes, color, numbers, "<u1" if length == "uchar" else "<i4")
     return "\n".join(header).encode() + mesh.vertices.astype("<f8").tobytes() + faces.tobytes()
+
+
+def encode_points_ply(
+    shape: Shape, labels: npt.ArrayLike, names: Sequence[str], colors: npt.ArrayLike
+) -> bytes:
+    r"""Encode one vertex per element, with a colour and a label each, and no faces.
+
+    Parameters
+    ----------
+    shape : Shape
+        A point cloud or voxel grid.
+    labels : (F,) array_like of int
+    names : sequence of str
+    colors : (n, 3) array_like of uint8
+        As for :func:`encode_ply`.
+
+    Raises
+    ------
+    ShapeError, UsageError
+        As for :func:`encode_ply`.
+
+    Examples
+    --------
+    >>> cloud = Shape.from_points([[0, 0, 0], [1, 0, 0], [0, 1, 0]])
+    >>> data = encode_points_ply(cloud, [0, 0, 0], ["dots"], [[65, 112, 216]])
+    >>> data.split(b"\n")[3]
+    b'element vertex 3'
+    """
+    label = checked_labels(shape.geometry, labels, names)
+    normals = shape.geometry.normals if isinstance(shape.geometry, PointCloud) else None
+    axes = ["x", "y", "z", *([] if normals is None else ["nx", "ny", "nz"])]
+    row = np.dtype([("place", "<f8", len(axes)), ("color", "u1", 3), ("label", "<i4")])
+    rows = np.empty(len(label), row)
+    rows["place"] = shape.points if normals is None else np.hstack([shape.points, normals])
+    rows["color"] = checked_colors(colors, names)[label]
+    rows["label"] = label
+    header = [
+        *_beginning(names),
+        f"element vertex {len(label)}",
+        *(f"property double {axis}" for axis in axes),
+        *(f"property uchar {channel}" for channel in ("red", "green", "blue")),
+        "property int label",
+        "end_header\n",
+    ]
+    return "\n".join(header).encode() + rows.tobytes()
+
+
+def _beginning(names: Sequence[str]) -> list[str]:
+    """The first lines of the header, up to the names of the labels."""
+    # A comment ends with its line, and one without a name would be malformed.
+    words = {index: " ".join(name.split()) for index, name in enumerate(names)}
+    return [
+        "ply",
+        "format binary_little_endian 1.0",
+        *(f"comment moseg label {index} {name}" for index, name in words.items() if name),
+    ]
 
 
 def _face_rows(

@@ -18,12 +18,13 @@ from moseg_core.shape import Shape
 
 
 def load(path: str | os.PathLike[str], *, source: Registry | None = None) -> Shape:
-    """Read a shape; one surface element per polygon, in file order.
+    """Read a shape; one surface element per polygon, point or cell, in file order.
 
     Parameters
     ----------
     path : path-like
-        OFF, PLY, OBJ, STL or GLB, by suffix, or what installed bundles add.
+        A mesh (OFF, PLY, OBJ, STL, GLB), a point cloud (PLY without faces, XYZ, CSV) or a voxel
+        grid (NPY, BINVOX), by suffix, or what installed bundles add.
     source : Registry, optional
         Where to look for readers.
 

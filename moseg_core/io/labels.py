@@ -1,6 +1,6 @@
 """Labels from files, and to the simplest of them: one per surface element, maybe with names.
 
-Four kinds of file carry a labelling of the faces of a shape:
+Six kinds of file carry a labelling of the elements of a shape:
 
 ======  ==========================================================================
 suffix  contents
@@ -9,7 +9,10 @@ suffix  contents
 .txt    a line with a name, then a line with the face ids that bear it, counted
         from 1; and so on (Kalogerakis et al. 2010)
 .json   a result of moseg: ``labels``, and ``problem.labels`` with the names
-.ply    the face property ``label``, names in comments; see :mod:`moseg_core.io.ply`
+.ply    the property ``label`` of the faces, or of the points where there are none;
+        names in comments; see :mod:`moseg_core.io.ply`
+.npz    the arrays ``labels`` and maybe ``names``
+.npy    a grid of labels, -1 where there is no element, or a row of labels
 ======  ==========================================================================
 
 A labelling belongs to a shape, so reading takes the number of its elements and refuses what does
@@ -18,16 +21,20 @@ not fit it.
 
 from __future__ import annotations
 
+import io
 import json
 import re
+import zlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from zipfile import BadZipFile
 
 import numpy as np
 import numpy.typing as npt
 
 from moseg_core.errors import UsageError
+from moseg_core.io.grids import read_array
 from moseg_core.io.ply import read_ply_label_names, read_ply_labels
 from moseg_core.io.polygons import file_error, read_file
 from moseg_core.io.text_rows import integers, text_rows, word
@@ -59,7 +66,7 @@ def read_labels(path: Path, n_elements: int) -> Labelling:
     Parameters
     ----------
     path : Path
-        With the suffix ".seg", ".txt", ".json" or ".ply".
+        With the suffix ".seg", ".txt", ".json", ".ply", ".npz" or ".npy".
     n_elements : int
         How many elements the shape has.
 
@@ -97,7 +104,7 @@ def read_labels(path: Path, n_elements: int) -> Labelling:
     if len(labels) != n_elements:
         raise file_error(
             path,
-            f"has {len(labels)} labels but the shape has {n_elements} faces;"
+            f"has {len(labels)} labels but the shape has {n_elements} elements;"
             " give the labels of this very shape",
         )
     if labels.size and labels.min() < 0:
@@ -223,7 +230,7 @@ def _read_result(path: Path, n_elements: int) -> Labelling:
 def _read_ply(path: Path, n_elements: int) -> Labelling:
     labels = read_ply_labels(path)
     if labels is None:
-        raise file_error(path, "has no face property 'label'; give a file with labelled faces")
+        raise file_error(path, "has no property 'label'; give a file with labelled faces or points")
     by_index = read_ply_label_names(path)
     if sorted(by_index) != list(range(len(by_index))):
         gap = next(i for i in range(len(by_index)) if i not in by_index)
@@ -232,11 +239,44 @@ def _read_ply(path: Path, n_elements: int) -> Labelling:
     return Labelling(labels=labels, names=names or None)
 
 
+def _read_npz(path: Path, n_elements: int) -> Labelling:
+    data = read_file(path)
+    try:
+        with np.load(io.BytesIO(data), allow_pickle=False) as archive:
+            labels = archive["labels"]
+            names = archive["names"].tolist() if "names" in archive.files else None
+    except (KeyError, ValueError, EOFError, OSError, BadZipFile, zlib.error) as problem:
+        raise file_error(path, f"has no array 'labels' ({problem}); save it anew") from problem
+    if names is not None and not (
+        isinstance(names, list) and all(isinstance(name, str) for name in names)
+    ):
+        raise file_error(path, "has an array 'names' that is not a row of texts; save it anew")
+    return Labelling(labels=_row(path, labels), names=None if names is None else tuple(names))
+
+
+def _read_npy(path: Path, n_elements: int) -> Labelling:
+    labels = read_array(path)
+    if labels.ndim == 3 and labels.dtype.kind in "iu":
+        labels = labels[labels.astype(np.int64) >= 0]  # in C order, as cells are numbered
+    return Labelling(labels=_row(path, labels), names=None)
+
+
+def _row(path: Path, labels: npt.NDArray[np.generic]) -> IntArray:
+    """Labels from an array, or an error that says what it is instead."""
+    if labels.ndim != 1 or labels.dtype.kind not in "iu":
+        raise file_error(
+            path, f"holds {labels.dtype} of shape {labels.shape} instead of a row of whole labels"
+        )
+    return labels.astype(np.int64)
+
+
 _READERS: dict[str, Callable[[Path, int], Labelling]] = {
     ".seg": _read_seg,
     ".txt": _read_named,
     ".json": _read_result,
     ".ply": _read_ply,
+    ".npz": _read_npz,
+    ".npy": _read_npy,
 }
 
 

@@ -1,20 +1,23 @@
-"""PLY files: a polygon mesh, and the labels that its faces may carry.
+"""PLY files: a polygon mesh or a point cloud, and the labels that faces or points may carry.
 
 Of the elements that a PLY file may hold (decoded by :mod:`moseg_core.io.ply_elements`) two make
 a shape: ``vertex`` with the properties x, y and z, and ``face`` with the list ``vertex_indices``
-or ``vertex_index``. Everything else is decoded, so that a damaged file is noticed, and dropped.
-A face may also have an integer property ``label``; the header then may name the labels in
-comments, ``comment moseg label <index> <name>``.
+or ``vertex_index``. Without faces the vertices are a point cloud, with the normals nx, ny, nz if
+they have such. Everything else is decoded, so that a damaged file is noticed, and dropped.
+A face, or a point of a cloud, may also have an integer property ``label``; the header then may
+name the labels in comments, ``comment moseg label <index> <name>``.
 """
 
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
-from moseg_core.io.ply_elements import PlyColumns, PlyLists, read_elements
+from moseg_core.io.clouds import shape_from_points
+from moseg_core.io.ply_elements import Numbers, PlyColumns, PlyLists, read_elements
 from moseg_core.io.ply_header import parse_header
 from moseg_core.io.polygons import file_error, read_file, shape_from_polygons
 from moseg_core.shape import Shape
@@ -25,7 +28,7 @@ _LISTS = ("vertex_indices", "vertex_index")
 
 
 def read_ply(path: Path) -> Shape:
-    r"""Read a PLY file, text or binary: one element per face, in file order.
+    r"""Read a PLY file, text or binary: one element per face or, without any, per point.
 
     Parameters
     ----------
@@ -39,8 +42,7 @@ def read_ply(path: Path) -> Shape:
     Raises
     ------
     ShapeError
-        The file cannot be read, is not a PLY file, or holds no mesh: point clouds are not
-        supported yet.
+        The file cannot be read, is not a PLY file, or holds neither faces nor points.
 
     Examples
     --------
@@ -56,7 +58,7 @@ def read_ply(path: Path) -> Shape:
     """
     data = read_file(path)
     elements = read_elements(path, data, parse_header(path, data))
-    vertices = _positions(path, elements.get("vertex", {}))
+    vertices = _vectors(path, elements.get("vertex", {}), "xyz")
     if "tristrips" in elements:
         raise file_error(path, "holds triangle strips, not faces; export it with faces")
     faces = elements.get("face", {})
@@ -67,17 +69,26 @@ def read_ply(path: Path) -> Shape:
             f"has faces with {', '.join(faces)}, but without the list '{_LISTS[0]}';"
             " export it again",
         )
-    if not lists:
-        return shape_from_polygons(path, vertices, np.empty(0, np.int64), np.zeros(1, np.int64))
+    if not lists or not _count(lists[0]):
+        if not len(vertices):
+            raise file_error(path, "has neither faces nor vertices; export it again")
+        names = ("nx", "ny", "nz")
+        known = set(names) <= set(elements["vertex"])
+        normals = _vectors(path, elements["vertex"], names) if known else None
+        return shape_from_points(path, vertices, normals=normals)
     found = lists[0]
     if not isinstance(found, PlyLists) or found.values.dtype.kind not in "iu":
         raise file_error(path, "has vertex indices that are not lists of integers; export it again")
     return shape_from_polygons(path, vertices, found.values.astype(np.int64), found.offsets)
 
 
-def _positions(path: Path, columns: PlyColumns) -> FloatArray:
+def _count(column: Numbers | PlyLists) -> int:
+    return len(column.offsets) - 1 if isinstance(column, PlyLists) else len(column)
+
+
+def _vectors(path: Path, columns: PlyColumns, names: Sequence[str]) -> FloatArray:
     axes = []
-    for axis in "xyz":
+    for axis in names:
         column = columns.get(axis)
         if column is None or isinstance(column, PlyLists):
             raise file_error(
@@ -88,7 +99,7 @@ def _positions(path: Path, columns: PlyColumns) -> FloatArray:
 
 
 def read_ply_labels(path: Path) -> IntArray | None:
-    """The property ``label`` of the faces of a PLY file.
+    """The property ``label`` of the faces of a PLY file, or of the points of one without faces.
 
     Parameters
     ----------
@@ -97,7 +108,7 @@ def read_ply_labels(path: Path) -> IntArray | None:
     Returns
     -------
     (F,) int or None
-        As they stand in the file, in file order; None where the faces have no such property.
+        As they stand in the file, in file order; None where there is no such property.
 
     Raises
     ------
@@ -105,12 +116,14 @@ def read_ply_labels(path: Path) -> IntArray | None:
         The file cannot be read, is not a PLY file, or its labels are not integers.
     """
     data = read_file(path)
-    column = read_elements(path, data, parse_header(path, data)).get("face", {}).get("label")
+    elements = read_elements(path, data, parse_header(path, data))
+    bearer = "face" if any(map(_count, elements.get("face", {}).values())) else "vertex"
+    column = elements.get(bearer, {}).get("label")
     if column is None:
         return None
     if isinstance(column, PlyLists) or column.dtype.kind not in "iu":
         raise file_error(
-            path, "has a face property 'label' that is not one integer; export it as int"
+            path, f"has a {bearer} property 'label' that is not one integer; export it as int"
         )
     return column.astype(np.int64)
 

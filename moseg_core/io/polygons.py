@@ -65,6 +65,32 @@ def read_file(path: Path) -> bytes:
     return data
 
 
+def refuse_far(path: Path, points: FloatArray, what: str) -> None:
+    """Refuse places too far away for their moments to be floats.
+
+    Parameters
+    ----------
+    path : Path
+    points : (n, 3) float
+        Those that are not finite are left to others to report.
+    what : str
+        What a point is called.
+
+    Raises
+    ------
+    ShapeError
+        Says which it is.
+    """
+    far = (np.isfinite(points) & (np.abs(points) > _FARTHEST)).any(axis=1)
+    if far.any():
+        point = int(np.argmax(far))
+        raise file_error(
+            path,
+            f"has {what} {point} at {points[point].tolist()}, beyond what can be measured;"
+            " repair or rescale the file first",
+        )
+
+
 def shape_from_polygons(
     path: Path, vertices: FloatArray, corners: IntArray, offsets: IntArray
 ) -> Shape:
@@ -94,18 +120,9 @@ def shape_from_polygons(
     if len(offsets) < 2:
         raise file_error(
             path,
-            "has no faces; point clouds are not supported yet, a mesh is needed:"
-            " export the shape with its faces",
+            "has no faces; export the shape with its faces, or a point cloud as .ply, .xyz or .csv",
         )
-    # What is not finite is left to the mesh to report.
-    far = (np.isfinite(vertices) & (np.abs(vertices) > _FARTHEST)).any(axis=1)
-    if far.any():
-        vertex = int(np.argmax(far))
-        raise file_error(
-            path,
-            f"has vertex {vertex} at {vertices[vertex].tolist()}, beyond what can be measured;"
-            " repair or rescale the file first",
-        )
+    refuse_far(path, vertices, "vertex")
     sizes = np.diff(offsets)
     try:
         if (sizes == sizes[0]).all() and sizes[0] > 0:

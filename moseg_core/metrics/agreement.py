@@ -57,7 +57,7 @@ def compare(
     truth: IntArray,
     *,
     areas: FloatArray,
-    graph: EdgeGraph,
+    graph: EdgeGraph | None,
     names: Sequence[str] | None = None,
     truth_names: Sequence[str] | None = None,
     rename: Mapping[str, str] | None = None,
@@ -69,8 +69,9 @@ def compare(
     found, truth : (F,) int
         Label of each face.
     areas : (F,) float, model units squared
-    graph : EdgeGraph
-        Of the surface; the same for all pairs on it.
+    graph : EdgeGraph or None
+        Of the surface; the same for all pairs on it. None where it has no edges, as a point cloud:
+        the cut discrepancy is then undefined.
     names, truth_names : sequence of str, optional
         Names of the labels; without either of them nothing is named right or wrong.
     rename : mapping of str to str, optional
@@ -107,7 +108,7 @@ def compare(
     return Agreement(
         rand_index_error=rand_index_error_of(by_faces),
         rand_index_error_by_area=rand_index_error_of(by_area),
-        cut_discrepancy=cut_discrepancy(graph, found, truth),
+        cut_discrepancy=None if graph is None else cut_discrepancy(graph, found, truth),
         hamming=hamming.distance,
         missing=hamming.missing,
         false_alarm=hamming.false_alarm,

@@ -26,7 +26,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
-from moseg_core.mesh import PolygonMesh
+from moseg_core.geometry import Geometry
 from moseg_core.types import FloatArray
 
 _YAW, _PITCH = np.radians(30.0), np.radians(20.0)
@@ -87,13 +87,13 @@ class Camera:
 
 
 def choose_cameras(
-    mesh: PolygonMesh, *, width: int, height: int, margin: float = 0.05
+    mesh: Geometry, *, width: int, height: int, margin: float = 0.05
 ) -> tuple[Camera, Camera]:
     """Choose a three-quarter view of a mesh, and the view from the opposite side.
 
     Parameters
     ----------
-    mesh : PolygonMesh
+    mesh : Geometry
     width, height : int, pixels
         Size of each of the two pictures.
     margin : float
@@ -106,6 +106,7 @@ def choose_cameras(
 
     Examples
     --------
+    >>> from moseg_core.mesh import PolygonMesh
     >>> square = PolygonMesh.from_faces([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]],
     ...                                 [[0, 1, 2, 3]])
     >>> main, opposite = choose_cameras(square, width=200, height=100)

@@ -25,8 +25,8 @@ import numpy.typing as npt
 from scipy import ndimage
 
 from moseg_core.errors import UsageError
+from moseg_core.geometry import Geometry
 from moseg_core.kernels.raster import interpolate, rasterize
-from moseg_core.mesh import PolygonMesh
 from moseg_core.normals import corner_normals
 from moseg_core.palette import checked_labels, linear_light, part_colors
 from moseg_core.types import BoolArray, FloatArray, Int32Array, IntArray
@@ -45,26 +45,29 @@ _AMBIENT, _FROM_ABOVE, _DIFFUSE = 0.27, 0.12, 0.74
 
 
 def render_picture(
-    mesh: PolygonMesh,
+    mesh: Geometry,
     labels: npt.ArrayLike,
     names: Sequence[str],
     *,
     title: str = "",
     size: tuple[int, int] = (1400, 700),
+    areas: FloatArray | None = None,
 ) -> bytes:
-    """Draw a segmented mesh from two sides, with a legend.
+    """Draw a segmented shape from two sides, with a legend.
 
     Parameters
     ----------
-    mesh : PolygonMesh
+    mesh : Geometry
     labels : (F,) array_like of int
-        The part of each polygon, 0 to ``len(names) - 1``.
+        The part of each element, 0 to ``len(names) - 1``.
     names : sequence of str
         One for each part; a part may be empty, and is then greyed in the legend.
     title : str
         Written at the top left.
     size : (int, int), pixels
         Width and height of the picture.
+    areas : (F,) float, optional
+        How much each element counts in the legend; the area of its triangles by default.
 
     Returns
     -------
@@ -74,12 +77,13 @@ def render_picture(
     Raises
     ------
     ShapeError
-        Not one integer label per polygon, or a label without a name.
+        Not one integer label per element, or a label without a name.
     UsageError
         A size below 240 x 160 or above 4000 x 2000 pixels.
 
     Examples
     --------
+    >>> from moseg_core.mesh import PolygonMesh
     >>> square = PolygonMesh.from_faces([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]],
     ...                                 [[0, 1, 2, 3]])
     >>> render_picture(square, [0], ["all of it"])[1:4]
@@ -99,7 +103,7 @@ def render_picture(
     draw = ImageDraw.Draw(image)
     pad = max(8, height // 35)
     top = draw_title(draw, title, size=(width, height), pad=pad)
-    entries = _legend(mesh, label, names)
+    entries = _legend(_triangle_areas(mesh) if areas is None else areas, label, names)
     bottom = draw_legend(draw, entries, colors, size=(width, height), pad=pad)
 
     normals = corner_normals(mesh, label)
@@ -115,7 +119,7 @@ def render_picture(
 
 
 def _draw_view(
-    mesh: PolygonMesh,
+    mesh: Geometry,
     labels: IntArray,
     normals: FloatArray,
     colors: npt.NDArray[np.uint8],
@@ -216,15 +220,20 @@ def _srgb(light: FloatArray) -> npt.NDArray[np.uint8]:
     return np.rint(value * 255.0).astype(np.uint8)
 
 
-def _legend(mesh: PolygonMesh, labels: IntArray, names: Sequence[str]) -> list[LegendEntry]:
+def _triangle_areas(mesh: Geometry) -> FloatArray:
+    """(F,) float: areas of the elements' triangles, in units of the extent."""
     corners = mesh.vertices[mesh.triangles]
-    # In units of the extent, so that areas of tiny or huge models stay in range.
+    # So that areas of tiny or huge models stay in range.
     extent = float(np.ptp(corners.reshape(-1, 3), axis=0).max())
     corners = corners / (extent if extent > 0.0 else 1.0)
     areas = np.linalg.norm(
         np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
     )
-    area = np.bincount(labels[mesh.triangle_polygon], areas, len(names))
+    return np.bincount(mesh.triangle_polygon, areas, mesh.n_elements).astype(np.float64)
+
+
+def _legend(areas: FloatArray, labels: IntArray, names: Sequence[str]) -> list[LegendEntry]:
+    area = np.bincount(labels, areas, len(names))
     counts = np.bincount(labels, minlength=len(names))
     shares = 100.0 * area / max(float(area.sum()), 1e-300)
     return [

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from moseg_core.result import Result
+from moseg_core.splats import drawable
 from moseg_core.view.convergence import render_convergence
 from moseg_core.view.picture import render_picture
 
@@ -10,8 +11,11 @@ from moseg_core.view.picture import render_picture
 def write_png(result: Result) -> bytes:
     """A picture from two sides, with a legend and the cost."""
     title = f"{result.shape.name}, cost {result.cost:.4g}"
-    mesh, labels = result.surface
-    return render_picture(mesh, labels, result.problem.labels, title=title)
+    surface, labels = result.surface
+    areas = None if result.shape.has_surface else result.shape.areas
+    return render_picture(
+        drawable(surface), labels, result.problem.labels, title=title, areas=areas
+    )
 
 
 def write_svg(result: Result) -> bytes:

@@ -150,7 +150,7 @@ def test_bad_shapes_are_one_line_and_exit_3(moseg, tmp_path, content, says):
 
 
 def test_unknown_format_exits_2_and_lists_formats(moseg, tmp_path):
-    path = tmp_path / "x.xyz"
+    path = tmp_path / "x.step"
     path.write_text("0 0 0\n")
     run = moseg("segment", path, "--recipe", "hammer")
     assert run.code == 2

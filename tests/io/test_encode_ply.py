@@ -131,7 +131,7 @@ def test_labels_and_colors_that_do_not_fit():
     mesh = PolygonMesh.from_faces(CORNERS[:3], [[0, 1, 2]])
     with pytest.raises(ShapeError, match="has the label 1, which has no name"):
         encode_ply(mesh, [1], ["a"], COLORS[:1])
-    with pytest.raises(ShapeError, match="each of the 1 polygons"):
+    with pytest.raises(ShapeError, match="each of the 1 faces"):
         encode_ply(mesh, [0, 0], ["a"], COLORS[:1])
     with pytest.raises(UsageError, match="1 parts need as many colours"):
         encode_ply(mesh, [0], ["a"], COLORS)

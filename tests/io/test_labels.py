@@ -106,11 +106,11 @@ def test_a_labelled_mesh(as_file):
 @pytest.mark.parametrize(
     ("name", "contents", "message"),
     [
-        ("x.seg", "0\n" * 10, " has 10 labels but the shape has 12 faces; give the labels of this"),
-        ("x.json", result([0] * 10), " has 10 labels but the shape has 12 faces"),
-        ("x.ply", PLY, " has 3 labels but the shape has 12 faces"),
+        ("x.seg", "0\n" * 10, " has 10 labels but the shape has 12 elements; give the labels of"),
+        ("x.json", result([0] * 10), " has 10 labels but the shape has 12 elements"),
+        ("x.ply", PLY, " has 3 labels but the shape has 12 elements"),
         ("x.seg", "", " is empty"),
-        ("x.seg", "\ufeff\n", " has 0 labels but the shape has 12 faces"),
+        ("x.seg", "\ufeff\n", " has 0 labels but the shape has 12 elements"),
         ("x.seg", "0\n\n1\n-1\n", ", line 4: the label -1 is negative; labels count from 0"),
         ("x.seg", "0\n1 2\n", ", line 2: expected one label, found 2 words"),
         ("x.seg", "0\n1.0\n", ", line 2: '1.0' is not an integer"),
@@ -139,7 +139,7 @@ def test_a_labelled_mesh(as_file):
         ("x.json", result([0] * 12, [1, 2]), " has a member problem.labels that is not a list"),
         ("x.json", result([0] * 9 + [1] * 3, ["a"]), " gives element 9 the label 1, but names"),
         ("x.ply", "ply\n", " has no 'end_header'"),
-        ("x.ply", PLY.replace("uchar label", "uchar part"), " has no face property 'label'"),
+        ("x.ply", PLY.replace("uchar label", "uchar part"), " has no property 'label'"),
         ("x.ply", PLY.replace("label 0", "label 3"), " names 2 labels, but not label 0; name them"),
         ("x.ply", PLY.replace("2 1\n3", "2 7\n3").replace("face 3", "face 3"), " has 3 labels but"),
     ],
@@ -156,7 +156,7 @@ def test_labels_of_a_mesh_need_a_name_each(refusal):
 
 @pytest.mark.parametrize("name", ["labels.csv", "labels", "labels.seg.gz"])
 def test_other_suffixes_are_refused_with_those_allowed(name, as_file):
-    with pytest.raises(UsageError, match=r"allowed: \.seg, \.txt, \.json, \.ply$"):
+    with pytest.raises(UsageError, match=r"allowed: \.seg, \.txt, \.json, \.ply, \.npz, \.npy$"):
         read_labels(as_file(name, "0\n"), 1)
 
 

@@ -107,7 +107,7 @@ def test_variants_of_the_format_read_alike(text, as_file, polygons_of):
     ("text", "message"),
     [
         ("", " is empty; export it again"),
-        ("v 0 0 0\nv 1 0 0\nv 0 1 0\n", " has no faces; point clouds are not supported yet"),
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\n", " has no faces; export the shape with its faces"),
         ("<html>\n", ", line 1: '<html>' is not a statement of an OBJ file"),
         (STRIP.replace("f 6/1/1 9", "f6/1/1 9"), ", line 25: 'f6/1/1' is not a statement"),
         (

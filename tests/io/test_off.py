@@ -100,7 +100,7 @@ def test_mixed_polygons_keep_their_order_and_stay_whole(as_file, polygons_of):
             TETRAHEDRON.replace("4 4 6", "4 3 6"),
             ", line 10: announces 4 vertices and 3 faces, but goes on behind them",
         ),
-        (TETRAHEDRON.replace("4 4 6", "4 0 6").split("3 0")[0], " has no faces; point clouds are"),
+        (TETRAHEDRON.replace("4 4 6", "4 0 6").split("3 0")[0], " has no faces; export the shape"),
         (TETRAHEDRON.replace("1.5", "1.5e"), ", line 6: '1.5e' is not a number"),
         (TETRAHEDRON.replace("1.5", "1_5"), ", line 6: '1_5' is not a number"),
         (TETRAHEDRON.replace("0 0 1.5", "0 0"), ", line 6: a vertex needs 3 coordinates, this"),

@@ -146,11 +146,28 @@ def test_labels_and_their_names(form, as_file):
 
 
 @pytest.mark.parametrize("form", FORMATS)
-def test_a_point_cloud_is_refused_as_such(form, refusal):
+def test_vertices_without_faces_are_a_point_cloud(form, as_file):
     cloud = encode(form, [("vertex", ["float x", "float y", "float z"], VERTICES.tolist())])
     for contents in (cloud, mesh_file(form, faces=[])):
-        message = refusal(read_ply, "cloud.ply", contents)
-        assert message.startswith(" has no faces; point clouds are not supported yet, a mesh is")
+        shape = read_ply(as_file("cloud.ply", contents))
+        assert (shape.name, shape.noun, shape.geometry.normals) == ("cloud", "point", None)
+        np.testing.assert_array_equal(shape.points, VERTICES)
+        assert read_ply_labels(as_file("cloud.ply", contents)) is None
+
+
+@pytest.mark.parametrize("form", FORMATS)
+def test_normals_and_labels_of_points(form, as_file):
+    rows = [[3, *row, 0.0, 0.5, 1.0] for row in VERTICES.tolist()]
+    names = ["label", "x", "y", "z", "nx", "ny", "nz"]
+    properties = [f"{'int' if name == 'label' else 'float'} {name}" for name in names]
+    path = as_file("cloud.ply", encode(form, [("vertex", properties, rows)]))
+    np.testing.assert_array_equal(read_ply(path).geometry.normals, [[0.0, 0.5, 1.0]] * 4)
+    assert read_ply_labels(path).tolist() == [3] * 4
+
+
+def test_a_file_without_vertices_is_refused(refusal):
+    empty = encode("ascii", [("vertex", ["float x", "float y", "float z"], [])])
+    assert refusal(read_ply, "cloud.ply", empty).startswith(" has neither faces nor vertices")
 
 
 @pytest.mark.parametrize(

@@ -47,7 +47,8 @@ class Surface:
         Raises
         ------
         ShapeError
-            It is in several pieces, between which there is no distance along the surface.
+            It is no mesh, or in several pieces, between which there is no distance along the
+            surface.
 
         Examples
         --------
@@ -59,6 +60,10 @@ class Surface:
         >>> len(surface.vertices), surface.origin.tolist()
         (4, [0, 2, 1, 2, 3, 1])
         """
+        if shape.noun != "face":
+            raise ShapeError(
+                f"'{shape.name}' is a {shape.geometry.kind}; only a polygon mesh can be unfolded"
+            )
         merged = shape.geometry.merged
         positions = np.empty((int(merged.max()) + 1, 3))
         positions[merged] = shape.frame.to_unit(shape.geometry.vertices)

@@ -18,6 +18,7 @@ _BLOCKS = 16
 
 @objective(
     range=(0, 1),
+    requires=("surface",),
     invariant_to=("rigid", "scale", "reflection", "order", "tessellation"),
     cost="expensive",
 )
@@ -80,7 +81,7 @@ def planar_symmetric(part: Part) -> float:
 
 
 @objective(
-    range=(0, 0.5),
+    range=(0, 1),
     invariant_to=("rigid", "scale", "reflection", "order", "tessellation"),
     cost="expensive",
 )
@@ -95,14 +96,17 @@ def ellipsoidal(part: Part) -> float:
     -------
     float
         Surface distance from the part to the ellipsoid around its centroid with radii
-        ``sqrt(3) * scales`` along its principal axes. 0 for a sphere; 0 is best. A point ``x``
-        is within ``max(|x|, sqrt(3) s_3)`` of the ellipsoid, hence at most 1/2.
+        ``sqrt(3) * scales`` along its principal axes, or ``sqrt(5) * scales`` where the elements
+        fill a solid. 0 for a sphere; 0 is best. A point ``x`` is within ``max(|x|, sqrt(3) s_3)``
+        of the ellipsoid, hence at most 1/2 on a surface, and at most 1 on a solid.
 
     Notes
     -----
     Simari & Singh, Sec. 10: ``surfdist(P, covarellipsoid(P))``. The factor ``sqrt(3)`` is exact
     for a sphere's surface; the radii of a 3:1 ellipsoid come out 10 % short along its axis and
-    5 % long across it, so that an elongated ellipsoid has a small positive value.
+    5 % long across it, so that an elongated ellipsoid has a small positive value. Of a solid the
+    scales are those of the volume, for which ``sqrt(5)`` is exact whatever the proportions; the
+    distance is still that of the surface, the exposed faces.
 
     Examples
     --------
@@ -115,5 +119,6 @@ def ellipsoidal(part: Part) -> float:
     """
     points, weights = part.measure("basic:surface_samples")
     local = (points - part.centroid) @ part.axes.T
-    squared = squared_distances_to_ellipsoid(local, np.sqrt(3.0) * part.scales)
+    factor = np.sqrt(5.0 if part.shape.solid else 3.0)
+    squared = squared_distances_to_ellipsoid(local, factor * part.scales)
     return normalized_mean(part, squared, weights)

@@ -35,6 +35,7 @@ _ROUND = np.radians([25.0, -25.0, 55.0, -55.0, 105.0, -105.0])
 
 @objective(
     range=(0, 1),
+    requires=("surface",),
     invariant_to=("rigid", "scale", "reflection", "order", "tessellation"),
     cost="expensive",
 )
@@ -83,6 +84,7 @@ def axial_symmetric(part: Part) -> float:
 
 @objective(
     range=(0, 1),
+    requires=("surface",),
     invariant_to=("rigid", "scale", "reflection", "order", "tessellation"),
     cost="expensive",
 )

@@ -40,6 +40,7 @@ def closed_volume(part: Part) -> float:
 
 @objective(
     range=(0, 1),
+    requires=("surface",),
     invariant_to=("rigid", "scale", "reflection", "order", "tessellation"),
     cost="moderate",
 )

@@ -11,7 +11,11 @@ Distances are to the surface, not to its vertices, from libigl's bounding-box tr
 less than about a millionth as wide as it is long they may come out too large, never too small;
 beside a wider triangle this does not show.
 
-On a part of a coarse shape both are thinned out (:mod:`moseg_objectives_basic.thinned`).
+Points of a cloud are samples as they are, with their areas. Of cells that fill a solid the exposed
+faces count; a part that has none of them is sampled in its cells' middles.
+
+On a part of a coarse shape both are thinned out (:mod:`moseg_objectives_basic.thinned`), but for
+solids, of whose elements most have no surface.
 """
 
 from __future__ import annotations
@@ -45,12 +49,14 @@ def surface_samples(part: Part) -> tuple[FloatArray, FloatArray]:
     -------
     points : (k, 3) float, model units
     weights : (k,) float, model units squared
-        They add up to the part's area.
+        They add up to the part's area; of a solid's part to that of its exposed faces.
     """
-    few = thinned(part)
+    few = None if part.shape.solid else thinned(part)
     found = few.samples(part) if few else None
     if found is not None:
         return found
+    if not len(part.triangles):
+        return part.points, part.areas
     corners = _without_needles(part.vertices[part.triangles], part.box_diagonal / _FINENESS)
     edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
     # A side as long as the box's diagonal is common; its number must not hang on rounding.

@@ -74,13 +74,15 @@ def test_objectives_are_those_of_sections_3_and_10():
     assert found == SECTION_10 | SECTION_3
 
 
-def test_only_convex_parts_needs_a_volume():
+def test_what_the_objectives_need():
     needs = {
         spec.name: registry().find("objective", f"basic:{spec.name}").load().traits.requires
         for spec in plugin.moseg_objectives()
     }
-    assert {name for name, what in needs.items() if what} == {"convex_parts"}
-    assert needs["convex_parts"] == {"volume"}
+    assert needs.pop("convex_parts") == {"volume"}
+    of_a_surface = {"planar_symmetric", "axial_symmetric", "rotational_symmetric", "convex"}
+    assert {name for name, what in needs.items() if what} == of_a_surface
+    assert all(needs[name] == {"surface"} for name in of_a_surface)
 
 
 @pytest.fixture

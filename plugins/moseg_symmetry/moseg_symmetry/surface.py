@@ -111,6 +111,11 @@ def surface_of(shape: Shape) -> Surface:
     0.5
     """
     mesh = shape.input.geometry
+    if not len(mesh.triangles):
+        raise ShapeError(
+            f"'{shape.name}' is a {mesh.kind}, which has no faces of which the symmetry could be"
+            f" found; give the plane"
+        )
     corners = mesh.vertices[mesh.triangles] - shape.frame.center
     areas = _areas(corners)[1]
     center = (areas[:, None] * corners.mean(axis=1)).sum(axis=0) / areas.sum()
