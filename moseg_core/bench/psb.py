@@ -32,11 +32,18 @@ _BLOCKS = (
 CATEGORIES = tuple(name for name in _BLOCKS if name)
 """Names of the categories, in the benchmark's order."""
 
+_FOURLEG = Naming(
+    rename={"body": "torso"},
+    merge={"torso": "body", "tail": "body", "neck": "head", "earhorn": "head"},
+)
+
 NAMINGS = {
-    ("Fourleg", "horse"): Naming(
-        rename={"body": "torso"},
-        merge={"torso": "body", "tail": "body", "neck": "head", "earhorn": "head"},
-    )
+    ("Fourleg", "horse"): _FOURLEG,
+    ("Fourleg", "bulldog"): _FOURLEG,
+    ("Octopus", "octopus"): Naming(
+        rename={"head": "body", "arm": "leg"}, merge={"body": "head", "leg": "arm"}
+    ),
+    ("Bird", "dove"): Naming(merge={"head": "body", "leg": "body"}),
 }
 """How the labels of a recipe and a category's names go together, where they are not the same."""
 
