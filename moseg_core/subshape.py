@@ -12,12 +12,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from moseg_core.adjacency import ranges
+from moseg_core.adjacency import Adjacency, ranges
 from moseg_core.capped import capped_volume
+from moseg_core.cloud import PointCloud
 from moseg_core.errors import ShapeError
 from moseg_core.mesh import PolygonMesh
 from moseg_core.shape import Shape
 from moseg_core.types import IntArray
+from moseg_core.voxels import VoxelGrid
 
 #: Below this share of the cubed diagonal a volume is rounding, as for whole shapes.
 _FLAT = 1e-9
@@ -38,8 +40,9 @@ def subshape(shape: Shape, elements: IntArray, *, name: str | None = None) -> Sh
     Returns
     -------
     Shape
-        Of k elements. It has no volume where it is flat, where the faces are not oriented alike,
-        or where the cuts leave nothing to enclose.
+        Of k elements. A part of a mesh has no volume where it is flat, where the faces are not
+        oriented alike, or where the cuts leave nothing to enclose; a part of a point cloud has
+        none, and the neighbours that it has within the whole.
 
     Raises
     ------
@@ -56,12 +59,21 @@ def subshape(shape: Shape, elements: IntArray, *, name: str | None = None) -> Sh
     (5, 1.0)
     """
     called = shape.name if name is None else name
-    if not isinstance(shape.geometry, PolygonMesh):
-        kind = type(shape.geometry).__name__
-        raise ShapeError(f"parts of '{shape.name}' cannot be divided further: it is a {kind}")
+    geometry = shape.geometry
     if len(elements) == 0:
         raise ShapeError(f"'{called}' has no elements")
-    mesh = _restricted(shape.geometry, elements)
+    if isinstance(geometry, PointCloud):
+        return _of_points(shape, geometry, elements, called)
+    if isinstance(geometry, VoxelGrid) and geometry.solid:
+        kept = np.zeros_like(geometry.occupied)
+        kept[tuple(geometry.cells[elements].T)] = True
+        return Shape.from_voxels(kept, pitch=geometry.pitch, origin=geometry.origin, name=called)
+    if not isinstance(geometry, PolygonMesh):
+        raise ShapeError(
+            f"parts of '{shape.name}' cannot be divided further: it is the surface of a"
+            f" {geometry.kind}; read it as a solid"
+        )
+    mesh = _restricted(geometry, elements)
     part = Shape.from_polygon_mesh(mesh, name=called)
     volume, reason = part.volume, part.volume_reason
     # The orientation of a whole that encloses a volume is known to be right, and so the part's.
@@ -71,6 +83,21 @@ def subshape(shape: Shape, elements: IntArray, *, name: str | None = None) -> Sh
         if volume <= _FLAT * part.frame.scale**3:
             volume, reason = None, "it is flat, also with its cuts capped"
     return replace(part, volume=volume, volume_reason=reason, notes=())
+
+
+def _of_points(shape: Shape, cloud: PointCloud, elements: IntArray, name: str) -> Shape:
+    """Some points of a cloud, with the areas and neighbours that they have in the whole."""
+    part = Shape.from_points(
+        cloud.vertices[elements],
+        areas=cloud.areas[elements],
+        normals=None if cloud.normals is None else cloud.normals[elements],
+        name=name,
+    )
+    if shape.adjacency is None:
+        return part
+    within = shape.adjacency.matrix[elements][:, elements].tocoo()
+    pairs = np.stack([within.row, within.col], axis=1).astype(np.int64)
+    return replace(part, adjacency=Adjacency.from_pairs(pairs, len(elements)))
 
 
 def _restricted(mesh: PolygonMesh, elements: IntArray) -> PolygonMesh:
