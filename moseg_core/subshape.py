@@ -1,9 +1,10 @@
 """A part as a shape of its own, to be segmented in its turn.
 
 Its elements are those of the part, in the same order, so that a label found for element ``i`` of
-the part belongs to element ``elements[i]`` of the whole. Everything else is measured anew: its
-unit coordinates are those of its own bounding box, its neighbours are neighbours within the part,
-and its volume is the one that it encloses once the cuts are capped (:mod:`moseg_core.capped`).
+the part belongs to element ``elements[i]`` of the whole. Neighbours are neighbours still, also
+where the user said what counts as one. Everything else is measured anew: its unit coordinates are
+those of its own bounding box, and its volume is the one that it encloses once the cuts are capped
+(:mod:`moseg_core.capped`).
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from moseg_core.adjacency import ranges
+from moseg_core.adjacency import Adjacency, ranges
 from moseg_core.capped import capped_volume
 from moseg_core.errors import ShapeError
 from moseg_core.mesh import PolygonMesh
@@ -57,8 +58,10 @@ def subshape(shape: Shape, elements: IntArray, *, name: str | None = None) -> Sh
     """
     called = shape.name if name is None else name
     if not isinstance(shape.geometry, PolygonMesh):
-        kind = type(shape.geometry).__name__
-        raise ShapeError(f"parts of '{shape.name}' cannot be divided further: it is a {kind}")
+        kind = shape.geometry.kind
+        raise ShapeError(
+            f"parts of '{shape.name}' cannot be divided further: it is a {kind}, and no mesh"
+        )
     if len(elements) == 0:
         raise ShapeError(f"'{called}' has no elements")
     mesh = _restricted(shape.geometry, elements)
@@ -70,7 +73,18 @@ def subshape(shape: Shape, elements: IntArray, *, name: str | None = None) -> Sh
         reason = ""
         if volume <= _FLAT * part.frame.scale**3:
             volume, reason = None, "it is flat, also with its cuts capped"
-    return replace(part, volume=volume, volume_reason=reason, notes=())
+    adjacency = _within(shape.adjacency, elements)
+    return replace(part, adjacency=adjacency, volume=volume, volume_reason=reason, notes=())
+
+
+def _within(adjacency: Adjacency | None, elements: IntArray) -> Adjacency | None:
+    """The neighbours within the part; the user may have said what counts as one."""
+    if adjacency is None:
+        return None
+    place = np.full(adjacency.n_elements, -1, np.int64)
+    place[elements] = np.arange(len(elements))
+    pairs = place[adjacency.pairs]
+    return Adjacency.from_pairs(pairs[(pairs >= 0).all(axis=1)], len(elements))
 
 
 def _restricted(mesh: PolygonMesh, elements: IntArray) -> PolygonMesh:
