@@ -104,6 +104,11 @@ def read_task(asked: Asked, *, start: SavedResult | None = None) -> Hierarchy:
         embedding=embedding,
         space=space if asked.space is None else asked.space,
     )
+    if asked.plane is not None and not any("plane" in rule.parameters for rule in problem.rules):
+        raise UsageError(
+            "--plane is the plane of constraints, and none is given that needs one; add one, such"
+            f" as --constraint 'on_plane({problem.labels[0]})', or leave out --plane"
+        )
     return Hierarchy(problem, parts, method)
 
 
