@@ -1,9 +1,10 @@
 """A part as a shape of its own, to be segmented in its turn.
 
 Its elements are those of the part, in the same order, so that a label found for element ``i`` of
-the part belongs to element ``elements[i]`` of the whole. Everything else is measured anew: its
-unit coordinates are those of its own bounding box, its neighbours are neighbours within the part,
-and its volume is the one that it encloses once the cuts are capped (:mod:`moseg_core.capped`).
+the part belongs to element ``elements[i]`` of the whole. Neighbours are neighbours still, also
+where the user said what counts as one. Everything else is measured anew: its unit coordinates are
+those of its own bounding box, and its volume is the one that it encloses once the cuts are capped
+(:mod:`moseg_core.capped`).
 """
 
 from __future__ import annotations
@@ -67,7 +68,8 @@ def subshape(shape: Shape, elements: IntArray, *, name: str | None = None) -> Sh
     if isinstance(geometry, VoxelGrid) and geometry.solid:
         kept = np.zeros_like(geometry.occupied)
         kept[tuple(geometry.cells[elements].T)] = True
-        return Shape.from_voxels(kept, pitch=geometry.pitch, origin=geometry.origin, name=called)
+        part = Shape.from_voxels(kept, pitch=geometry.pitch, origin=geometry.origin, name=called)
+        return replace(part, adjacency=_within(shape.adjacency, elements))
     if not isinstance(geometry, PolygonMesh):
         raise ShapeError(
             f"parts of '{shape.name}' cannot be divided further: it is the surface of a"
@@ -82,7 +84,18 @@ def subshape(shape: Shape, elements: IntArray, *, name: str | None = None) -> Sh
         reason = ""
         if volume <= _FLAT * part.frame.scale**3:
             volume, reason = None, "it is flat, also with its cuts capped"
-    return replace(part, volume=volume, volume_reason=reason, notes=())
+    adjacency = _within(shape.adjacency, elements)
+    return replace(part, adjacency=adjacency, volume=volume, volume_reason=reason, notes=())
+
+
+def _within(adjacency: Adjacency | None, elements: IntArray) -> Adjacency | None:
+    """The neighbours within the part; the user may have said what counts as one."""
+    if adjacency is None:
+        return None
+    place = np.full(adjacency.n_elements, -1, np.int64)
+    place[elements] = np.arange(len(elements))
+    pairs = place[adjacency.pairs]
+    return Adjacency.from_pairs(pairs[(pairs >= 0).all(axis=1)], len(elements))
 
 
 def _of_points(shape: Shape, cloud: PointCloud, elements: IntArray, name: str) -> Shape:
@@ -93,11 +106,7 @@ def _of_points(shape: Shape, cloud: PointCloud, elements: IntArray, name: str) -
         normals=None if cloud.normals is None else cloud.normals[elements],
         name=name,
     )
-    if shape.adjacency is None:
-        return part
-    within = shape.adjacency.matrix[elements][:, elements].tocoo()
-    pairs = np.stack([within.row, within.col], axis=1).astype(np.int64)
-    return replace(part, adjacency=Adjacency.from_pairs(pairs, len(elements)))
+    return replace(part, adjacency=_within(shape.adjacency, elements))
 
 
 def _restricted(mesh: PolygonMesh, elements: IntArray) -> PolygonMesh:

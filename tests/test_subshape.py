@@ -44,6 +44,22 @@ def test_neighbours_are_those_within_the_part():
         assert set(STEM[part.adjacency.neighbors(k)].tolist()) == near
 
 
+@pytest.mark.parametrize("which", ["knn", "none"])
+def test_neighbours_that_the_user_asked_for_are_kept(which):
+    corners = TEE.geometry.vertices[TEE.geometry.corners]
+    middle = np.repeat(TEE.points, 4, axis=0)
+    loose = Shape.from_mesh(
+        middle + 0.9 * (corners - middle), np.arange(len(corners)).reshape(-1, 4)
+    ).with_adjacency(which)
+    part = subshape(loose, STEM)
+    if which == "none":
+        assert part.adjacency is None
+    else:
+        assert part.adjacency.components()[0] == 1
+        matrix = loose.adjacency.matrix[STEM][:, STEM]
+        assert (part.adjacency.matrix != matrix).nnz == 0
+
+
 def test_volumes_of_the_two_sides_of_a_plane_cut_add_up():
     rest = np.setdiff1d(np.arange(TEE.n_elements), STEM)
     stem, bar = subshape(TEE, STEM), subshape(TEE, rest)
