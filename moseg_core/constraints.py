@@ -185,7 +185,7 @@ class Constraints:
         return self.expand(self.reduce(vector)[None])[0] if self.active else vector
 
     def holding(self, vector: FloatArray, labels: Sequence[int]) -> FloatArray:
-        """(m,) float: feasible centres of which those of certain labels are where the vector has them.
+        """(m,) float: feasible centres, those of certain labels where the vector has them.
 
         Where the constraints do not allow this, they are near. By turns all centres are made
         feasible and these put back, until that changes nothing: a leg that is held so draws its
