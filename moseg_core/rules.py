@@ -15,10 +15,10 @@ from typing import Any
 import numpy as np
 
 from moseg_core.binding import chosen_labels
-from moseg_core.errors import ExpressionError, PluginError, UsageError
+from moseg_core.errors import ExpressionError, MosegError, PluginError, UsageError
 from moseg_core.language import Term, parse_constraint
 from moseg_core.parameters import Parameter, check_parameters, declared_parameters
-from moseg_core.plugins import Component, Registry
+from moseg_core.plugins import Component, Registry, describe
 from moseg_core.protocols import Constraint
 from moseg_core.shape import Shape
 from moseg_core.types import FloatArray
@@ -71,6 +71,23 @@ class Rule:
                 f" which is not a Constraint"
             )
         return made
+
+    def call(self, method: Callable[..., Any], *arguments: Any) -> Any:
+        """What a method of the constraint returns.
+
+        Raises
+        ------
+        PluginError
+            It fails; says which constraint and how.
+        """
+        try:
+            return method(*arguments)
+        except MosegError:
+            raise
+        except Exception as error:  # a stranger's constraint may raise anything
+            raise PluginError(
+                f"constraint '{self.id}' of {self.distribution} failed: {describe(error)}"
+            ) from error
 
     @property
     def role(self) -> tuple[Any, ...]:

@@ -173,6 +173,26 @@ def test_a_constraint_of_a_wrong_shape_is_named():
         constraints(["misshapen(head)"])
 
 
+def test_a_constraint_that_fails_is_named():
+    with pytest.raises(
+        PluginError, match=r"'test:failing' of tests 1.0 failed: ZeroDivisionError: by nothing"
+    ):
+        constraints(["failing(head)"])
+
+
+def test_a_function_that_is_not_finite_is_named():
+    @constraint(start=[0.3, 1.0])
+    def holed(free):
+        x, w = free
+        return [[x, 0, 0, w], [math.nan, 0, 0, w]]
+
+    problem = Problem(LEGS[:2], "narrow(top)", constraints=[holed], registry=known())
+    with pytest.raises(
+        PluginError, match=r"'python:holed' of the calling program failed: .*finite"
+    ):
+        segment(TABLE, problem)
+
+
 def test_of_alike_labels_those_are_paired_that_move_least():
     names = ("leg1", "leg2", "leg3", "leg4")
     found = constraints(["mirror(leg2, leg1)", "mirror(leg4, leg3)"], names)
@@ -332,7 +352,7 @@ def test_a_frozen_leg_stays_and_draws_its_mirror_image_after_it(held):
 
 def test_a_frozen_centre_that_the_constraints_forbid_is_refused():
     begin = segment(TABLE, table(), optimizer="pattern_search(max_evaluations=1)")
-    positions = begin.centers.positions + [[0.5, 0, 0], [0, 0, 0], [0, 0, 0]]
+    positions = begin.centers.positions + np.array([[0.5, 0, 0], [0, 0, 0], [0, 0, 0]])
     start = Centers(positions=positions, weights=begin.centers.weights)
     with pytest.raises(UsageError, match=r"label 'top' is frozen .* --freeze top"):
         segment(TABLE, table(), start=start, freeze=["top"])

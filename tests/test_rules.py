@@ -118,3 +118,8 @@ def test_a_start_that_is_none_is_refused(start):
 def test_a_problem_checks_its_constraints_when_it_is_made():
     with pytest.raises(ExpressionError, match="did you mean 'mirror'"):
         Problem(LABELS, "narrow(head)", constraints=["miror(leg2, leg1)"], registry=known())
+
+
+def test_a_plane_that_is_no_text_is_refused():
+    with pytest.raises(UsageError, match=r"plane must be a text such as 'auto' or 'x', not \(0, "):
+        Problem(["a", "b"], "narrow(a)", constraints=["onplane(a)"], plane=(0, 0), registry=known())
