@@ -9,14 +9,14 @@ constraint itself (:class:`moseg_core.protocols.Constraint`) is made when the sh
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from moseg_core.binding import chosen_labels
 from moseg_core.errors import ExpressionError, MosegError, PluginError, UsageError
-from moseg_core.language import Term, parse_constraint
+from moseg_core.language import Argument, Term, parse_constraint
 from moseg_core.parameters import Parameter, check_parameters, declared_parameters
 from moseg_core.plugins import Component, Registry, describe
 from moseg_core.protocols import Constraint
@@ -286,7 +286,7 @@ def _from_text(
     each = [(label,) for label in chosen] if getattr(factory, "each", False) else [tuple(chosen)]
     return [
         Rule(
-            text=str(term) if len(each) == 1 else f"{term.name}({labels[group[0]]})",
+            text=str(term) if len(each) == 1 else _about(term, [labels[k] for k in group]),
             id=component.id,
             distribution=component.distribution,
             factory=factory,
@@ -296,6 +296,11 @@ def _from_text(
         )
         for group in each
     ]
+
+
+def _about(term: Term, names: Sequence[str]) -> str:
+    """The same call of certain labels, with its parameters."""
+    return str(replace(term, arguments=tuple(Argument(name) for name in names)))
 
 
 def _parameters(term: Term, text: str, declared: tuple[Parameter, ...]) -> dict[str, Any]:

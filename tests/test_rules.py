@@ -29,6 +29,14 @@ def test_a_rule_on_single_labels_is_made_for_each():
     assert rules[0].text == "onplane(head)"
 
 
+def test_what_a_rule_says_of_itself_gives_the_same_rule_again():
+    rules = bound("onplane(head, body, plane=y)", "test:onplane(leg*)", "mirror(body, head)")
+    assert rules[0].text == "onplane(head, plane=y)"
+    for rule in rules:
+        (again,) = bound(rule.text)
+        assert (again.id, again.labels, again.parameters) == (rule.id, rule.labels, rule.parameters)
+
+
 def test_a_plane_is_passed_to_those_that_take_one_and_are_not_given_one():
     first, second, third = bound(
         "onplane(head)", "onplane(body, plane=y)", "mirror(leg2, leg1)", plane="x"
