@@ -156,7 +156,7 @@ class Constraints:
             centers = self._rows(row)
             for i, (rule, member) in enumerate(self._members):
                 own = numbers[self._ends[i] : self._ends[i + 1]]
-                centers = _asked(rule, member.expand(own, centers), centers.shape)
+                centers = _asked(rule, rule.call(member.expand, own, centers), centers.shape)
             row[self._follow] = self._vector(centers)[self._follow]
         return whole
 
@@ -170,7 +170,7 @@ class Constraints:
         centers = self._rows(vector)
         own: list[FloatArray] = []
         for rule, member in reversed(self._members):
-            free, moved = member.reduce(centers)
+            free, moved = rule.call(member.reduce, centers)
             centers = _asked(rule, moved, centers.shape)
             own.append(np.asarray(free, dtype=np.float64))
         read_labels = [k for _, member in self._members for k in member.reads]
@@ -187,8 +187,8 @@ class Constraints:
     def holding(self, vector: FloatArray, labels: Sequence[int]) -> FloatArray:
         """(m,) float: feasible centres, those of certain labels where the vector has them.
 
-        Where the constraints do not allow this, they are near. By turns all centres are made
-        feasible and these put back, until that changes nothing: a leg that is held so draws its
+        Where the constraints do not allow this, these are near. By turns all centres are made
+        feasible and these are put back, until that changes nothing: a leg that is held so draws its
         mirror image after it, whichever of the two leads.
         """
         found = self.feasible(vector)
@@ -215,8 +215,10 @@ class Constraints:
             return vector
         centers = self._rows(vector)
         for rule, member in self._members:
-            free = member.reduce(centers)[0] if len(member.lower) else np.empty(0)
-            centers = _asked(rule, member.expand(free, centers), centers.shape)
+            free = np.empty(0)
+            if len(member.lower):
+                free = rule.call(member.reduce, centers)[0]
+            centers = _asked(rule, rule.call(member.expand, free, centers), centers.shape)
         whole = vector.copy()
         whole[self._follow] = self._vector(centers)[self._follow]
         return whole

@@ -116,8 +116,18 @@ class Problem:
             spaces=spaces,
             space=self.space,
         )
+        if plane is not None and not isinstance(plane, str):
+            raise UsageError(f"plane must be a text such as 'auto' or 'x', not {plane!r:.60}")
         self.rules = bind_rules(constraints, self.labels, self.registry, plane)
         self._embedded: dict[Shape, Shape] = {}
+
+    def __getstate__(self) -> dict[str, Any]:
+        # Embedded shapes are computed anew where they are needed: weak references stay behind.
+        return {key: value for key, value in self.__dict__.items() if key != "_embedded"}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._embedded = WeakKeyDictionary()
 
     def __repr__(self) -> str:
         return f"Problem({list(self.labels)!r}, {str(self.expression)!r})"

@@ -9,16 +9,16 @@ constraint itself (:class:`moseg_core.protocols.Constraint`) is made when the sh
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from moseg_core.binding import chosen_labels
-from moseg_core.errors import ExpressionError, PluginError, UsageError
-from moseg_core.language import Term, parse_constraint
+from moseg_core.errors import ExpressionError, MosegError, PluginError, UsageError
+from moseg_core.language import Argument, Term, parse_constraint
 from moseg_core.parameters import Parameter, check_parameters, declared_parameters
-from moseg_core.plugins import Component, Registry
+from moseg_core.plugins import Component, Registry, describe
 from moseg_core.protocols import Constraint
 from moseg_core.shape import Shape
 from moseg_core.types import FloatArray
@@ -71,6 +71,23 @@ class Rule:
                 f" which is not a Constraint"
             )
         return made
+
+    def call(self, method: Callable[..., Any], *arguments: Any) -> Any:
+        """What a method of the constraint returns.
+
+        Raises
+        ------
+        PluginError
+            It fails; says which constraint and how.
+        """
+        try:
+            return method(*arguments)
+        except MosegError:
+            raise
+        except Exception as error:  # a stranger's constraint may raise anything
+            raise PluginError(
+                f"constraint '{self.id}' of {self.distribution} failed: {describe(error)}"
+            ) from error
 
     @property
     def role(self) -> tuple[Any, ...]:
@@ -269,7 +286,7 @@ def _from_text(
     each = [(label,) for label in chosen] if getattr(factory, "each", False) else [tuple(chosen)]
     return [
         Rule(
-            text=str(term) if len(each) == 1 else f"{term.name}({labels[group[0]]})",
+            text=str(term) if len(each) == 1 else _about(term, [labels[k] for k in group]),
             id=component.id,
             distribution=component.distribution,
             factory=factory,
@@ -279,6 +296,11 @@ def _from_text(
         )
         for group in each
     ]
+
+
+def _about(term: Term, names: Sequence[str]) -> str:
+    """The same call of certain labels, with its parameters."""
+    return str(replace(term, arguments=tuple(Argument(name) for name in names)))
 
 
 def _parameters(term: Term, text: str, declared: tuple[Parameter, ...]) -> dict[str, Any]:

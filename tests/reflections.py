@@ -94,6 +94,13 @@ class Misshapen(OnPlane):
         return np.zeros((1, 3))
 
 
+class Failing(OnPlane):
+    """Raises where it should give the centres."""
+
+    def expand(self, free, centers):
+        raise ZeroDivisionError("by nothing")
+
+
 class Nothing:
     """Is no constraint."""
 
@@ -116,7 +123,8 @@ def long_thin(part: Part) -> float:
 
 def known() -> Registry:
     """Everything installed, and these constraints as the bundle ``test``."""
-    names = ["Mirror", "Upside", "OnPlane", "Between", "Itself", "Misshapen", "Nothing", "pair"]
+    names = ["Mirror", "Upside", "OnPlane", "Between", "Itself", "Misshapen", "Failing"]
+    names += ["Nothing", "pair"]
     specs = [ConstraintSpec(name=name.lower(), target=f"{__name__}:{name}") for name in names]
     found = tuple(Component("test", "tests 1.0", spec) for spec in specs)
     rest = [bundle for bundle in registry().bundles if bundle.name in ("core", "basic")]

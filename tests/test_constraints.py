@@ -173,6 +173,26 @@ def test_a_constraint_of_a_wrong_shape_is_named():
         constraints(["misshapen(head)"])
 
 
+def test_a_constraint_that_fails_is_named():
+    with pytest.raises(
+        PluginError, match=r"'test:failing' of tests 1.0 failed: ZeroDivisionError: by nothing"
+    ):
+        constraints(["failing(head)"])
+
+
+def test_a_function_that_is_not_finite_is_named():
+    @constraint(start=[0.3, 1.0])
+    def holed(free):
+        x, w = free
+        return [[x, 0, 0, w], [math.nan, 0, 0, w]]
+
+    problem = Problem(LEGS[:2], "narrow(top)", constraints=[holed], registry=known())
+    with pytest.raises(
+        PluginError, match=r"'python:holed' of the calling program failed: .*finite"
+    ):
+        segment(TABLE, problem)
+
+
 def test_of_alike_labels_those_are_paired_that_move_least():
     names = ("leg1", "leg2", "leg3", "leg4")
     found = constraints(["mirror(leg2, leg1)", "mirror(leg4, leg3)"], names)

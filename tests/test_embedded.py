@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import copy
+import pickle
+
 import numpy as np
 import pytest
 
@@ -69,8 +72,17 @@ def test_a_start_of_the_same_space_goes_on(embedding):
     assert (found.labels == start.labels).all()
 
 
+@pytest.mark.parametrize("again", [copy.deepcopy, lambda x: pickle.loads(pickle.dumps(x))])
+def test_results_and_their_problems_can_be_copied(again):
+    found = segment(TEE, problem(embedding="turned"), optimizer=SHORT)
+    there = again(found)
+    assert (there.labels == found.labels).all()
+    assert (there.partitioned.points == found.partitioned.points).all()
+    assert there.problem.evaluate(there.shape, there.labels).cost == found.evaluation.cost
+
+
 def test_a_mistyped_space_is_told_the_nearest_also_without_an_embedding():
-    with pytest.raises(ExpressionError, match=r"unknown space .orignal.*did you mean 'original'"):
+    with pytest.raises(ExpressionError, match=r"unknown space 'orignal'.*did you mean 'original'"):
         Problem(NAMES, "narrow(stem) @ orignal", registry=known())
-    with pytest.raises(ExpressionError, match="give the embedding 'turned' too"):
+    with pytest.raises(ExpressionError, match="an embedding of that name has to be given"):
         Problem(NAMES, "narrow(stem) @ turned", registry=known())

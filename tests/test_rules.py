@@ -29,6 +29,14 @@ def test_a_rule_on_single_labels_is_made_for_each():
     assert rules[0].text == "onplane(head)"
 
 
+def test_what_a_rule_says_of_itself_gives_the_same_rule_again():
+    rules = bound("onplane(head, body, plane=y)", "test:onplane(leg*)", "mirror(body, head)")
+    assert rules[0].text == "onplane(head, plane=y)"
+    for rule in rules:
+        (again,) = bound(rule.text)
+        assert (again.id, again.labels, again.parameters) == (rule.id, rule.labels, rule.parameters)
+
+
 def test_a_plane_is_passed_to_those_that_take_one_and_are_not_given_one():
     first, second, third = bound(
         "onplane(head)", "onplane(body, plane=y)", "mirror(leg2, leg1)", plane="x"
@@ -118,3 +126,8 @@ def test_a_start_that_is_none_is_refused(start):
 def test_a_problem_checks_its_constraints_when_it_is_made():
     with pytest.raises(ExpressionError, match="did you mean 'mirror'"):
         Problem(LABELS, "narrow(head)", constraints=["miror(leg2, leg1)"], registry=known())
+
+
+def test_a_plane_that_is_no_text_is_refused():
+    with pytest.raises(UsageError, match=r"plane must be a text such as 'auto' or 'x', not \(0, "):
+        Problem(["a", "b"], "narrow(a)", constraints=["onplane(a)"], plane=(0, 0), registry=known())
