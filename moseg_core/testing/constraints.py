@@ -1,0 +1,1 @@
+"""Checks of constraints; see :mod:`moseg_core.testing.check`."""

@@ -1,0 +1,1 @@
+"""Checks of embeddings; see :mod:`moseg_core.testing.check`."""

@@ -1,0 +1,1 @@
+"""Checks of general; see :mod:`moseg_core.testing.check`."""

@@ -1,0 +1,1 @@
+"""Checks of labelers; see :mod:`moseg_core.testing.check`."""

@@ -1,0 +1,1 @@
+"""Checks of objectives; see :mod:`moseg_core.testing.check`."""

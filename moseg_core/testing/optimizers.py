@@ -1,0 +1,1 @@
+"""Checks of optimizers; see :mod:`moseg_core.testing.check`."""

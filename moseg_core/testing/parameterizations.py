@@ -1,0 +1,1 @@
+"""Checks of parameterizations; see :mod:`moseg_core.testing.check`."""

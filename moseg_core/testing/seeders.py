@@ -1,0 +1,1 @@
+"""Checks of seeders; see :mod:`moseg_core.testing.check`."""

@@ -1,0 +1,1 @@
+"""A fixed zoo of shapes on which components are tried."""
