@@ -210,6 +210,8 @@ def test_the_list_as_json(moseg):
         "distribution": "moseg-shattered",
         "version": "0.9.1",
         "module": "moseg_shattered.plugin",
+        "contract": 1,
+        "note": "",
         "problem": IMPORT_FAILED,
         "components": [],
     }
