@@ -55,7 +55,7 @@ def stated(module: Any) -> int:
 
 
 def refusal(contract: int, distribution: str, core: str) -> tuple[str, str] | None:
-    """Why a bundle of some contract cannot be used, and what to install; None where it can.
+    r"""Why a bundle of some contract cannot be used, and what to install; None where it can.
 
     Parameters
     ----------
