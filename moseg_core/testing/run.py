@@ -45,12 +45,15 @@ class Outcome:
         announced, "warned" for one of a check that is newer than the bundle.
     message : str
         Why, where it did not pass.
+    fix : str
+        How to mend it; empty where the check could not say.
     """
 
     component: str
     check: str
     status: Status
     message: str = ""
+    fix: str = ""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -80,22 +83,22 @@ class Case:
     def outcome(self) -> Outcome:
         """Run the check."""
         said: dict[str, Any] = {"component": self.subject.component.id, "check": self.check.id}
-        failure = ""
+        failure = fix = ""
         try:
             self.check.run(self.subject)
         except Skip as reason:
             return Outcome(**said, status="skipped", message=str(reason))
         except ContractFailure as error:
-            failure = str(error)
+            failure, fix = f"{error.did}: got {error.got}, expected {error.expected}", error.fix
         except Exception as error:  # noqa: BLE001  # a stranger's component may raise anything
             failure = f"it raised {describe(error)}"
         if failure and self.expected:
             return Outcome(**said, status="expected", message=f"{self.expected}: {failure}")
         if failure and self.check.since > self.contract:
-            return Outcome(**said, status="warned", message=failure)
+            return Outcome(**said, status="warned", message=failure, fix=fix)
         if self.expected and not failure:
             failure = f"was expected to fail ({self.expected}) and passes; take it off the list"
-        return Outcome(**said, status="failed" if failure else "passed", message=failure)
+        return Outcome(**said, status="failed" if failure else "passed", message=failure, fix=fix)
 
     def __call__(self) -> None:
         """Run the check, for use in a test.
@@ -107,7 +110,10 @@ class Case:
         """
         outcome = self.outcome()
         if outcome.status == "failed":
-            raise AssertionError(f"{self.id}: {outcome.message}\nwhy it matters: {self.check.why}")
+            fix = f"\nhow to fix it: {outcome.fix}" if outcome.fix else ""
+            raise AssertionError(
+                f"{self.id}: {outcome.message}{fix}\nwhy it matters: {self.check.why}"
+            )
         if outcome.status in ("skipped", "expected"):
             import unittest
 
@@ -116,6 +122,12 @@ class Case:
             import warnings
 
             warnings.warn(f"{self.id}: {outcome.message}", FutureWarning, stacklevel=2)
+
+
+def load_checks() -> None:
+    """Import the modules that register checks, so that :data:`CHECKS` has all of them."""
+    for name in _MODULES:
+        importlib.import_module(f"moseg_core.testing.{name}")
 
 
 def cases_of(
@@ -142,8 +154,7 @@ def cases_of(
     PluginError
         The bundle is set aside.
     """
-    for name in _MODULES:
-        importlib.import_module(f"moseg_core.testing.{name}")
+    load_checks()
     found = registry() if source is None else source
     chosen = [b for b in found.bundles if b.name == bundle]
     if not chosen:
