@@ -173,12 +173,16 @@ def default(parameter: Parameter) -> str:
     --------
     >>> default(Parameter(name="n", type=float, default=1e-6))
     '1e-06'
+    >>> default(Parameter(name="n", type=bool, default=True))
+    '1'
     """
     if parameter.required:
         return "must be given"
     if parameter.default is None:
         return "none"
-    return f"{parameter.default:g}" if parameter.type is float else str(parameter.default)
+    if parameter.type is str:
+        return str(parameter.default)
+    return f"{parameter.default:g}"
 
 
 def span(traits: Traits) -> str:
