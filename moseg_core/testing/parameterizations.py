@@ -17,7 +17,7 @@ from scipy.sparse import csgraph
 from moseg_core.protocols import Centers, Parameterization
 from moseg_core.shape import Shape
 from moseg_core.testing.check import ContractFailure, Skip, Subject, check
-from moseg_core.testing.stages import as_numbers, dots, parameters_of, pebble, unlike
+from moseg_core.testing.stages import as_numbers, dots, horseshoe, parameters_of, pebble, unlike
 from moseg_core.types import FloatArray, Int32Array
 
 _FAR = 1e3
@@ -215,11 +215,12 @@ def _element_order(subject: Subject) -> None:
     why="Where it says that parts are connected, objectives and users rely on it.",
 )
 def _connected(subject: Subject) -> None:
-    shape = pebble()
-    partition = _made(subject, shape, 4)
+    shape, n = horseshoe(), 4
+    partition = _made(subject, shape, n)
     if not getattr(partition, "connected", False):
         raise Skip("it does not say that its parts are connected")
-    tried = within(partition.lower, partition.upper, partition.scale, 40)
+    placed = [partition.encode(_placed(shape, n, seed)) for seed in range(20)]
+    tried = np.vstack([within(partition.lower, partition.upper, partition.scale, 20), placed])
     assert shape.adjacency is not None  # it is a mesh
     a, b = shape.adjacency.pairs.T
     for vector, labels in zip(tried, _labels(partition, tried), strict=True):
@@ -231,7 +232,7 @@ def _connected(subject: Subject) -> None:
         parts = len(np.unique(labels))
         if pieces != parts:
             raise ContractFailure(
-                did=f"a pebble in one piece was cut by the vector {vector.round(3).tolist()}",
+                did=f"a horseshoe in one piece was cut by the vector {vector.round(3).tolist()}",
                 got=f"{parts} parts in {pieces} pieces",
                 expected="each part in one piece, since 'connected' is true",
                 fix="flood parts along shape.adjacency, or leave the attribute out",

@@ -63,6 +63,11 @@ def even_pebble(splits: int = 2) -> Shape:
     return _even_pebble(splits)
 
 
+def horseshoe() -> Shape:
+    """A long pebble bent until its ends are near: what is near in space is far on the surface."""
+    return _horseshoe()
+
+
 def dots(*, order: IntArray | None = None) -> Shape:
     """The vertices of a pebble as a cloud of points, of which nobody knows which touch."""
     points = _stone(2, even=False)[0]
@@ -77,6 +82,15 @@ def _pebble(splits: int) -> Shape:
 @cache
 def _even_pebble(splits: int) -> Shape:
     return Shape.from_mesh(*_stone(splits, even=True), name="even pebble")
+
+
+@cache
+def _horseshoe() -> Shape:
+    vertices, faces = _stone(2, even=True)
+    x, y, z = (vertices - vertices.mean(axis=0)).T
+    angle, radius = 1.25 * x, 3.0 + y
+    bent = np.column_stack([radius * np.sin(angle), radius * np.cos(angle), 1.7 * z + 0.11 * y])
+    return Shape.from_mesh(bent @ turn().T, faces, name="horseshoe")
 
 
 def _stone(splits: int, *, even: bool) -> tuple[FloatArray, IntArray]:
