@@ -9,7 +9,9 @@ its middle, of as few labels as they take.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -31,21 +33,25 @@ _CLOSE = 1e-7
 
 
 def _made(subject: Subject) -> list[tuple[str, Constraint]]:
-    """The constraint on as few labels as it takes, the last first, and on one more if it can be."""
-    shape, found, reason = even_pebble(), [], ""
-    planes = any(p.name == "plane" for p in declared(subject))
+    """The constraint on as few labels as it takes, the last first, and on one more if it can be.
+
+    One that takes a plane is given the plane ``x``, and once has to find it by itself.
+    """
+    shape, reason = even_pebble(), ""
+    found: list[tuple[str, Constraint]] = []
+    planar = any(parameter.name == "plane" for parameter in declared(subject))
     for count in range(1, _LABELS):
         labels = tuple(range(count, 0, -1))
         given = parameters_of(subject, shape, labels)
-        if planes:
-            given.setdefault("plane", "x")
-        made, no = refused(
-            lambda labels=labels, given=given: subject.load()(shape, labels, **given)
-        )
-        if made is not None:
-            found.append((f"labels {', '.join(map(str, labels))} of {_LABELS}", made))
-        reason = reason or no
-        if len(found) == 2:
+        tried = [given]
+        if planar and "plane" not in given:
+            tried = [{**given, "plane": "x"}, *([] if found else [given])]
+        for values in tried:
+            made, no = refused(partial(subject.load(), shape, labels, **values))
+            if made is not None:
+                found.append((_called(labels, values), made))
+            reason = reason or no
+        if len(found) > 2:
             break
     if not found:
         raise ContractFailure(
@@ -55,6 +61,11 @@ def _made(subject: Subject) -> list[tuple[str, Constraint]]:
             fix="write example(shape, labels), which returns parameters that make sense there",
         )
     return found
+
+
+def _called(labels: tuple[int, ...], values: Mapping[str, Any]) -> str:
+    more = "".join(f", {name}={value}" for name, value in values.items())
+    return f"labels {', '.join(map(str, labels))} of {_LABELS}{more}"
 
 
 def _centers(count: int = 6) -> Iterator[FloatArray]:

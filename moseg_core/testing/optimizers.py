@@ -12,7 +12,6 @@ import math
 import pickle
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -91,12 +90,14 @@ def _made(
     lower: FloatArray | None = None,
     upper: FloatArray | None = None,
     seed: int = 0,
-    **given: Any,
+    limit: int | None = None,
 ) -> Optimizer:
     low = np.full(len(start), -_REACH) if lower is None else lower
     high = np.full(len(start), _REACH) if upper is None else upper
     scale = np.ones(len(start))
-    given = {**parameters_of(subject, start), **given}
+    given = parameters_of(subject, start)
+    if limit is not None:
+        given[_LIMIT] = limit
     rng = np.random.default_rng(seed)
     made: Optimizer = subject.load()(start.copy(), low, high, scale, rng=rng, **given)
     return made
@@ -234,7 +235,7 @@ def _budget(subject: Subject) -> None:
     if not _limits(subject):
         raise Skip(f"it takes no parameter '{_LIMIT}'")
     for budget in (1, 2, 37, 150):
-        search = _made(subject, **{_LIMIT: budget})
+        search = _made(subject, limit=budget)
         trip = _trip(search, _bowl)
         kept = trip.evaluations == budget or (
             trip.evaluations < budget and search.finished == "converged"
@@ -372,11 +373,11 @@ def _as_little(batch: Batch, costs: Sequence[Cost]) -> list[Cost]:
     why="A search that is no better than throwing dice is not worth its name.",
 )
 def _beats_random(subject: Subject) -> None:
-    given = {_LIMIT: 400} if _limits(subject) else {}
+    limit = 400 if _limits(subject) else None
     toys = {"a bowl": _bowl, "a valley": _valley, "stairs": _stairs}
     for name, toy in toys.items():
         found = sorted(
-            min(_trip(_made(subject, seed=seed, **given), toy).told[:400]) for seed in range(3)
+            min(_trip(_made(subject, seed=seed, limit=limit), toy).told[:400]) for seed in range(3)
         )[1]
         thrown = []
         for seed in range(5):
