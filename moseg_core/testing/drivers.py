@@ -32,7 +32,7 @@ from moseg_core.cost import Cost
 from moseg_core.errors import UsageError
 from moseg_core.evaluation import Evaluator
 from moseg_core.memo import Memo
-from moseg_core.objectives import FunctionObjective, objective
+from moseg_core.objectives import objective
 from moseg_core.parameters import Parameter, declared_parameters
 from moseg_core.part import Part
 from moseg_core.plugins import describe, measure_resolver
@@ -87,6 +87,11 @@ class Raised:
         return f"the error {self.text}"
 
 
+def as_it_is(made: Any) -> Any:
+    """The component itself."""
+    return made
+
+
 @dataclass(eq=False, kw_only=True)
 class Trial:
     """One run of a component.
@@ -106,7 +111,7 @@ class Trial:
 
     subject: Subject
     parameters: Mapping[str, Any] = field(default_factory=dict)
-    through: Callable[[Any], Any] = staticmethod(lambda made: made)
+    through: Callable[[Any], Any] = as_it_is
     read_only: bool = False
     backwards: bool = False
     _given: list[tuple[str, Any, str]] = field(default_factory=list)
