@@ -210,6 +210,8 @@ def test_the_list_as_json(moseg):
         "distribution": "moseg-shattered",
         "version": "0.9.1",
         "module": "moseg_shattered.plugin",
+        "contract": 1,
+        "note": "",
         "problem": IMPORT_FAILED,
         "components": [],
     }
@@ -305,7 +307,9 @@ def test_its_failure_names_its_distribution(moseg, tee):
     assert message.startswith(
         "moseg: objective 'acme:grumpy' of moseg-acme 1.4.0 failed in 'grumpy(bar)' for "
     )
-    assert message.endswith(": ValueError: not today")
+    assert message.endswith(
+        ": ValueError: not today; leave the term out, or report it to its authors"
+    )
     # Also while labels are being assigned, and the term is tried on the part of another label.
     assert "for stem" not in message
 

@@ -25,6 +25,8 @@ def run_list(*, as_json: bool) -> None:
         out.print(name.append(rest, "not bold"))
         if bundle.problem:
             out.print(f"  set aside: {bundle.problem}", style="red", markup=False)
+        if bundle.note:
+            out.print(f"  note: {bundle.note}", style="yellow", markup=False)
         table = Table(box=None, pad_edge=False, show_header=False)
         for component in bundle.components:
             table.add_row(f"  {component.kind}", component.id, Text(component.spec.summary))
@@ -39,6 +41,8 @@ def _document(bundle: Bundle) -> dict[str, Any]:
         "distribution": bundle.distribution,
         "version": bundle.version,
         "module": bundle.module,
+        "contract": bundle.contract,
+        "note": bundle.note,
         "problem": bundle.problem,
         "components": [
             {

@@ -210,7 +210,9 @@ def cases_of(
             key = next((key for key in keys if key in expected), None)
             used.update([] if key is None else [key])
             reason = "" if key is None else expected[key]
-            cases.append(Case(check=check, subject=subject, expected=reason))
+            cases.append(
+                Case(check=check, subject=subject, expected=reason, contract=chosen[0].contract)
+            )
     for key in set(expected) - used:
         raise UsageError(
             f"expected_failures: {unknown('check', key.split()[-1], CHECKS)} (or it does not apply"
