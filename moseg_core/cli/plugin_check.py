@@ -59,7 +59,7 @@ def _print(report: Report, out: Console) -> None:
             out.print()
     for status, headline in (
         ("expected", "failed, as expected"),
-        ("skipped", "skipped, as they do not apply"),
+        ("skipped", "skipped"),
     ):
         if by_status[status]:
             out.print(headline, style="bold")

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import importlib.util
-from importlib import metadata
 from pathlib import Path
 
-from moseg_core.hookspecs import ENTRY_POINT_GROUP
+from moseg_core.installed import installed_points, read_claims
 from moseg_core.scaffold import check_name, words, write_bundle
 
 
@@ -29,7 +28,6 @@ def _taken(name: str, package: str) -> dict[str, str]:
     taken = {}
     if importlib.util.find_spec(package) is not None:
         taken[name] = f"an installed package '{package}'"
-    for point in metadata.entry_points(group=ENTRY_POINT_GROUP):
-        who = "something" if point.dist is None else f"{point.dist.name} {point.dist.version}"
-        taken[point.name] = f"{who}, which is installed"
+    for claim in read_claims(installed_points()):
+        taken[claim.point.name] = f"{claim.distribution} {claim.version}, which is installed"
     return taken

@@ -19,6 +19,7 @@ from importlib.resources.abc import Traversable
 from pathlib import Path
 
 from moseg_core import __version__
+from moseg_core.contract import CONTRACT
 from moseg_core.errors import UsageError, nearest, unknown
 from moseg_core.specs import NAME
 
@@ -108,6 +109,7 @@ def words(name: str, kind: str) -> dict[str, str]:
         "MY_KIND": kind,
         "MY_USE": "\n".join(f"    {line}" for line in sketch.use),
         "CORE_VERSION": __version__,
+        "CORE_CONTRACT": str(CONTRACT),
     }
 
 

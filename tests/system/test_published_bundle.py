@@ -71,7 +71,9 @@ def test_bundles_of_every_kind_from_wheels_alone(tmp_path):
     tools = ["pytest", "hypothesis", "hatchling"]
     found = ["--find-links", tmp_path / "dist"]
     run("python", *PIP, "install", *pinned, *found, f"{core}[all]", *tools)
-    assert json.loads(run("python", "-m", "pip", "list", "--editable", "--format=json").stdout) == []
+    assert (
+        json.loads(run("python", "-m", "pip", "list", "--editable", "--format=json").stdout) == []
+    )
     tell = "import json, sys, moseg_core; print(json.dumps([moseg_core.__file__, sys.path]))"
     origin, path = json.loads(run("python", "-c", tell).stdout)
     assert Path(origin).is_relative_to(home)
