@@ -9,7 +9,7 @@ component raises under a check is reported as a failure of that check too.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from moseg_core.plugins import Component, Registry
@@ -46,10 +46,19 @@ class Subject:
         As it was found through its entry point.
     registry : Registry
         Where it was found, and where it finds others.
+    kept : dict
+        What checks found out about it and others can use.
     """
 
     component: Component
     registry: Registry
+    kept: dict[str, Any] = field(default_factory=dict, repr=False)
+
+    def keep(self, name: str, compute: Callable[[], Any]) -> Any:
+        """A value that several checks need, computed by the first of them."""
+        if name not in self.kept:
+            self.kept[name] = compute()
+        return self.kept[name]
 
     def load(self) -> Any:
         """The object that the component's target names."""
@@ -73,6 +82,9 @@ class Check:
         A sentence: what goes wrong for users where the promise is broken.
     run : callable
         Receives the subject; raises where it fails. :class:`Skip` where it does not apply.
+    gate : bool
+        Whether nothing else can be said of a component that fails it: all checks that are no
+        gates, and the gates that come later, are then skipped.
     """
 
     id: str
@@ -80,6 +92,7 @@ class Check:
     since: int
     why: str
     run: Callable[[Subject], None]
+    gate: bool = False
 
 
 class Skip(Exception):  # noqa: N818  # nothing went wrong
@@ -91,13 +104,13 @@ CHECKS: dict[str, Check] = {}
 
 
 def check(
-    id: str, *, kinds: Sequence[Kind], why: str, since: int = 1
+    id: str, *, kinds: Sequence[Kind], why: str, since: int = 1, gate: bool = False
 ) -> Callable[[Callable[[Subject], None]], Callable[[Subject], None]]:
     """Register a function as a check.
 
     Parameters
     ----------
-    id, kinds, why, since
+    id, kinds, why, since, gate
         See :class:`Check`.
 
     Returns
@@ -114,7 +127,7 @@ def check(
     def decorate(function: Callable[[Subject], None]) -> Callable[[Subject], None]:
         if id in CHECKS:
             raise ValueError(f"there are two checks with the id '{id}'")
-        CHECKS[id] = Check(id=id, kinds=tuple(kinds), since=since, why=why, run=function)
+        CHECKS[id] = Check(id=id, kinds=tuple(kinds), since=since, why=why, run=function, gate=gate)
         return function
 
     return decorate

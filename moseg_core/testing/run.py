@@ -7,6 +7,7 @@ unknown id, is a failure itself, so that lists of them do not rot.
 from __future__ import annotations
 
 import importlib
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
@@ -45,12 +46,15 @@ class Outcome:
         announced, "warned" for one of a check that is newer than the bundle.
     message : str
         Why, where it did not pass.
+    fix : str
+        How to mend it; empty where the check could not say.
     """
 
     component: str
     check: str
     status: Status
     message: str = ""
+    fix: str = ""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -80,22 +84,20 @@ class Case:
     def outcome(self) -> Outcome:
         """Run the check."""
         said: dict[str, Any] = {"component": self.subject.component.id, "check": self.check.id}
-        failure = ""
+        if shut := _shut_gate(self.check, self.subject):
+            reason = f"it fails '{shut}', without which this cannot be said"
+            return Outcome(**said, status="skipped", message=reason)
         try:
-            self.check.run(self.subject)
+            failure, fix = _failure(self.check, self.subject)
         except Skip as reason:
             return Outcome(**said, status="skipped", message=str(reason))
-        except ContractFailure as error:
-            failure = str(error)
-        except Exception as error:  # noqa: BLE001  # a stranger's component may raise anything
-            failure = f"it raised {describe(error)}"
         if failure and self.expected:
             return Outcome(**said, status="expected", message=f"{self.expected}: {failure}")
         if failure and self.check.since > self.contract:
-            return Outcome(**said, status="warned", message=failure)
+            return Outcome(**said, status="warned", message=failure, fix=fix)
         if self.expected and not failure:
             failure = f"was expected to fail ({self.expected}) and passes; take it off the list"
-        return Outcome(**said, status="failed" if failure else "passed", message=failure)
+        return Outcome(**said, status="failed" if failure else "passed", message=failure, fix=fix)
 
     def __call__(self) -> None:
         """Run the check, for use in a test.
@@ -107,15 +109,62 @@ class Case:
         """
         outcome = self.outcome()
         if outcome.status == "failed":
-            raise AssertionError(f"{self.id}: {outcome.message}\nwhy it matters: {self.check.why}")
+            fix = f"\nhow to fix it: {outcome.fix}" if outcome.fix else ""
+            raise AssertionError(
+                f"{self.id}: {outcome.message}{fix}\nwhy it matters: {self.check.why}"
+            )
         if outcome.status in ("skipped", "expected"):
             import unittest
 
             raise unittest.SkipTest(outcome.message)
         if outcome.status == "warned":
-            import warnings
-
             warnings.warn(f"{self.id}: {outcome.message}", FutureWarning, stacklevel=2)
+
+
+def load_checks() -> None:
+    """Import the modules that register checks, so that :data:`CHECKS` has all of them."""
+    for name in _MODULES:
+        importlib.import_module(f"moseg_core.testing.{name}")
+
+
+def _failure(check: Check, subject: Subject) -> tuple[str, str]:
+    """What a check complains about, and how to mend it; empty where it passes.
+
+    Raises
+    ------
+    Skip
+        It does not apply.
+    """
+    with warnings.catch_warnings():
+        # Warnings are the business of one check; to the others they must not be errors.
+        warnings.simplefilter("ignore")
+        try:
+            check.run(subject)
+        except Skip:
+            raise
+        except ContractFailure as error:
+            return f"{error.did}: got {error.got}, expected {error.expected}", error.fix
+        except Exception as error:  # noqa: BLE001  # a stranger's component may raise anything
+            return f"it raised {describe(error)}", ""
+    return "", ""
+
+
+def _shut_gate(check: Check, subject: Subject) -> str:
+    """Id of the first gate before a check that the component does not pass; empty for none."""
+
+    def failure(gate: Check) -> str:
+        try:
+            return _failure(gate, subject)[0]
+        except Skip:
+            return ""
+
+    for gate in CHECKS.values():
+        if gate is check:
+            break
+        if gate.gate and subject.component.kind in gate.kinds:
+            if subject.keep(f"gate {gate.id}", lambda gate=gate: failure(gate)):  # type: ignore[misc]
+                return gate.id
+    return ""
 
 
 def cases_of(
@@ -142,8 +191,7 @@ def cases_of(
     PluginError
         The bundle is set aside.
     """
-    for name in _MODULES:
-        importlib.import_module(f"moseg_core.testing.{name}")
+    load_checks()
     found = registry() if source is None else source
     chosen = [b for b in found.bundles if b.name == bundle]
     if not chosen:
