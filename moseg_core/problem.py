@@ -15,7 +15,6 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import Any
-from weakref import WeakKeyDictionary
 
 import numpy.typing as npt
 
@@ -118,7 +117,7 @@ class Problem:
             space=self.space,
         )
         self.rules = bind_rules(constraints, self.labels, self.registry, plane)
-        self._embedded: WeakKeyDictionary[Shape, Shape] = WeakKeyDictionary()
+        self._embedded: dict[Shape, Shape] = {}
 
     def __repr__(self) -> str:
         return f"Problem({list(self.labels)!r}, {str(self.expression)!r})"
@@ -165,7 +164,7 @@ class Problem:
         Returns
         -------
         Shape
-            Computed once for each shape.
+            Computed once for each shape, and kept as long as the problem.
 
         Raises
         ------
