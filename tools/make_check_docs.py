@@ -33,8 +33,8 @@ INTRODUCTION = """\
 # What is checked
 
 `moseg plugin check NAME`, and `parametrize_contract("NAME")` in a test, run these checks on every
-component of an installed bundle; made from the code by `tools/make_check_docs.py`. A check that came
-with a later contract (*since*) than the bundle states warns instead of failing
+component of an installed bundle; made from the code by `tools/make_check_docs.py`. A check that
+came with a later contract (*since*) than the bundle states warns instead of failing
 ([contract.md](contract.md)). Each is itself tested by a component that fails it and no other:
 `tests/testing/broken`.
 """
@@ -56,8 +56,8 @@ def _sections() -> Iterator[str]:
 
 def _table(title: str, checks: list[Check], *, kinds: bool = False) -> Iterator[str]:
     """A section, with a column for kinds where these differ."""
-    extra = " kinds |" if kinds else ""
-    yield f"\n## {title}\n\n| check | why | since |{extra}\n|---|---|---|{'---|' if kinds else ''}\n"
+    extra, rule = (" kinds |", "---|") if kinds else ("", "")
+    yield f"\n## {title}\n\n| check | why | since |{extra}\n|---|---|---|{rule}\n"
     for check in checks:
         asked = [title.lower() for kind, title in KINDS.items() if kind in check.kinds]
         every = "all" if len(asked) == len(KINDS) else ", ".join(asked)
