@@ -87,6 +87,19 @@ class Raised:
         return f"the error {self.text}"
 
 
+@dataclass(frozen=True)
+class Foreign:
+    """In place of an object of which only the type can be compared.
+
+    Parameters
+    ----------
+    type : str
+        Its name.
+    """
+
+    type: str
+
+
 def as_it_is(made: Any) -> Any:
     """The component itself."""
     return made
@@ -285,7 +298,7 @@ def same(first: Any, second: Any, *, tolerance: float = 0.0) -> bool:
     try:
         a, b = np.asarray(first, np.float64), np.asarray(second, np.float64)
     except (TypeError, ValueError):
-        return type(first) is type(second) and _comparable(first) == _comparable(second)
+        return bool(_comparable(first) == _comparable(second))
     return a.shape == b.shape and bool(
         np.all((a == b) | (np.isnan(a) & np.isnan(b)) | _near(a, b, tolerance))
     )
@@ -299,7 +312,8 @@ def _near(a: FloatArray, b: FloatArray, tolerance: float) -> Any:
 
 def _comparable(value: Any) -> Any:
     """The value where it is plain; of anything else its type is all that can be compared."""
-    return value if isinstance(value, (str, bytes, bool, type(None))) else type(value).__name__
+    plain = isinstance(value, (str, bytes, type(None), Foreign))
+    return value if plain else Foreign(type(value).__name__)
 
 
 def _short(value: Any) -> str:
@@ -352,15 +366,17 @@ def calls_on(target: Objective, segmentation: Segmentation) -> dict[str, Any]:
     return found
 
 
+def value_of(target: Objective, given: Any, parameters: Mapping[str, Any]) -> Any:
+    """The value of an objective, or :class:`Raised`."""
+    return attempt(lambda: target(given, **parameters))
+
+
 def values_on(
-    target: Objective,
-    segmentation: Segmentation,
-    title: str,
-    parameters: Mapping[str, Any],
+    target: Objective, segmentation: Segmentation, title: str, parameters: Mapping[str, Any]
 ) -> Result:
     """The values of an objective for all that it may be asked of a segmentation."""
     return {
-        f"{title}, {name}": attempt(lambda given=given: target(given, **parameters))  # type: ignore[misc]
+        f"{title}, {name}": value_of(target, given, parameters)
         for name, given in calls_on(target, segmentation).items()
     }
 
