@@ -97,7 +97,7 @@ def _rows(array: FloatArray, labels: tuple[int, ...]) -> FloatArray:
 @check(
     "constraint-dimensions",
     kinds=["constraint"],
-    why="The search has as many coordinates as a constraint says; all that it returns must fit.",
+    why="the search has as many coordinates as a constraint says; all that it returns must fit",
 )
 def _dimensions(subject: Subject) -> None:
     for what, made in _made(subject):
@@ -136,7 +136,7 @@ def _dimensions(subject: Subject) -> None:
 @check(
     "constraint-in-bounds",
     kinds=["constraint"],
-    why="The search begins at the reduced numbers and moves within the bounds; both must do.",
+    why="the search begins at the reduced numbers and moves within the bounds; both must do",
 )
 def _in_bounds(subject: Subject) -> None:
     for what, made in _made(subject):
@@ -164,7 +164,7 @@ def _in_bounds(subject: Subject) -> None:
 @check(
     "constraint-reduce-expand",
     kinds=["constraint"],
-    why="A search that goes on from its own result must begin where it ended.",
+    why="a search that goes on from its own result must begin where it ended",
 )
 def _reduce_expand(subject: Subject) -> None:
     for what, made in _made(subject):
@@ -183,7 +183,7 @@ def _reduce_expand(subject: Subject) -> None:
 @check(
     "constraint-feasible",
     kinds=["constraint"],
-    why="The centres that reduce() returns are read by other constraints; they must be feasible.",
+    why="the centres that reduce() returns are read by other constraints; they must be feasible",
 )
 def _feasible(subject: Subject) -> None:
     for what, made in _made(subject):
@@ -204,7 +204,7 @@ def _feasible(subject: Subject) -> None:
 @check(
     "constraint-unchanged",
     kinds=["constraint"],
-    why="Centres that obey already need no correction; moving them spoils a good start.",
+    why="centres that obey already need no correction; moving them spoils a good start",
 )
 def _unchanged(subject: Subject) -> None:
     for what, made in _made(subject):
@@ -224,7 +224,7 @@ def _unchanged(subject: Subject) -> None:
 @check(
     "constraint-touches-only-its-own",
     kinds=["constraint"],
-    why="Constraints are put together by what they determine and read; nothing else may change.",
+    why="constraints are put together by what they determine and read; nothing else may change",
 )
 def _touches(subject: Subject) -> None:
     for what, made in _made(subject):

@@ -55,7 +55,7 @@ def _moved(shape: Shape, matrix: FloatArray, name: str) -> Shape:
 @check(
     "embedding-elements",
     kinds=["embedding"],
-    why="Labels of the embedded shape are taken for those of the original, element by element.",
+    why="labels of the embedded shape are taken for those of the original, element by element",
 )
 def _elements(subject: Subject) -> None:
     for shape in _shapes():
@@ -86,7 +86,7 @@ def _elements(subject: Subject) -> None:
 @check(
     "embedding-finite",
     kinds=["embedding"],
-    why="A point at no finite place is nearest to no centre.",
+    why="a point at no finite place is nearest to no centre",
 )
 def _finite(subject: Subject) -> None:
     for shape in _shapes():
@@ -107,7 +107,7 @@ def _finite(subject: Subject) -> None:
 @check(
     "embedding-deterministic",
     kinds=["embedding"],
-    why="The embedding is computed anew in each process and run; results must not hang on that.",
+    why="the embedding is computed anew in each process and run; results must not hang on that",
 )
 def _deterministic(subject: Subject) -> None:
     for shape in _shapes():
@@ -127,7 +127,7 @@ def _deterministic(subject: Subject) -> None:
 @check(
     "embedding-isometry",
     kinds=["embedding"],
-    why="A shape that was turned in its file must be cut as before.",
+    why="a shape that was turned in its file must be cut as before",
 )
 def _isometry(subject: Subject) -> None:
     mirror = np.diag([1.0, -1.0, 1.0])

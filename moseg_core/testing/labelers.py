@@ -28,7 +28,7 @@ def _order(subject: Subject, stage: Evaluator, vector: FloatArray) -> IntArray:
 @check(
     "labeler-permutation",
     kinds=["labeler"],
-    why="Each label goes to one centre and each centre to one label, or a part is lost.",
+    why="each label goes to one centre and each centre to one label, or a part is lost",
 )
 def _permutation(subject: Subject) -> None:
     for n in (1, 2, 4):
@@ -48,7 +48,7 @@ def _permutation(subject: Subject) -> None:
 @check(
     "labeler-optimal",
     kinds=["labeler"],
-    why="Where it says that its labels are the best, nobody looks for better ones.",
+    why="where it says that its labels are the best, nobody looks for better ones",
 )
 def _optimal(subject: Subject) -> None:
     claim = getattr(subject.load(), "optimal", None)
@@ -91,7 +91,7 @@ def _whole(stage: Evaluator, vector: FloatArray) -> Callable[[tuple[int, ...]], 
 @check(
     "labeler-equivariant",
     kinds=["labeler"],
-    why="The order in which a seeder lists its centres means nothing, and must change nothing.",
+    why="the order in which a seeder lists its centres means nothing, and must change nothing",
 )
 def _equivariant(subject: Subject) -> None:
     stage = evaluator(4)

@@ -65,7 +65,7 @@ def _labels(partition: Parameterization, vectors: FloatArray) -> Int32Array:
 @check(
     "parameterization-bounds",
     kinds=["parameterization"],
-    why="The search steps along coordinates within the bounds; without them it cannot begin.",
+    why="the search steps along coordinates within the bounds; without them it cannot begin",
 )
 def _bounds(subject: Subject) -> None:
     for what, _, partition in _stages(subject):
@@ -93,7 +93,7 @@ def _bounds(subject: Subject) -> None:
 @check(
     "parameterization-labels",
     kinds=["parameterization"],
-    why="The search may step anywhere within the bounds, and needs a whole segmentation there.",
+    why="the search may step anywhere within the bounds, and needs a whole segmentation there",
 )
 def _one_label_each(subject: Subject) -> None:
     for what, shape, partition in _stages(subject):
@@ -126,7 +126,7 @@ def _one_label_each(subject: Subject) -> None:
 @check(
     "parameterization-batch",
     kinds=["parameterization"],
-    why="Candidates come in batches of any size; a result must not depend on its company.",
+    why="candidates come in batches of any size; a result must not depend on its company",
 )
 def _batch(subject: Subject) -> None:
     for what, shape, partition in _stages(subject):
@@ -145,7 +145,7 @@ def _batch(subject: Subject) -> None:
 @check(
     "parameterization-encode-decode",
     kinds=["parameterization"],
-    why="Seeders place centres and users see them; both go through encode() and decode().",
+    why="seeders place centres and users see them; both go through encode() and decode()",
 )
 def _encode_decode(subject: Subject) -> None:
     for what, shape, partition in _stages(subject):
@@ -183,7 +183,7 @@ def _encode_decode(subject: Subject) -> None:
 @check(
     "parameterization-element-order",
     kinds=["parameterization"],
-    why="Files list the same faces in any order; the parts must not depend on it.",
+    why="files list the same faces in any order; the parts must not depend on it",
 )
 def _element_order(subject: Subject) -> None:
     order = np.random.default_rng(11).permutation(pebble().n_elements)
@@ -212,7 +212,7 @@ def _element_order(subject: Subject) -> None:
 @check(
     "parameterization-connected",
     kinds=["parameterization"],
-    why="Where it says that parts are connected, objectives and users rely on it.",
+    why="where it says that parts are connected, objectives and users rely on it",
 )
 def _connected(subject: Subject) -> None:
     shape, n = horseshoe(), 4
@@ -242,7 +242,7 @@ def _connected(subject: Subject) -> None:
 @check(
     "parameterization-permute",
     kinds=["parameterization"],
-    why="Labelers say which centre gets which label; permute() is how they are obeyed.",
+    why="labelers say which centre gets which label; permute() is how they are obeyed",
 )
 def _permute(subject: Subject) -> None:
     for what, shape, partition in _stages(subject):
@@ -264,7 +264,7 @@ def _permute(subject: Subject) -> None:
 @check(
     "parameterization-coordinates",
     kinds=["parameterization"],
-    why="A part is frozen, or follows others, by its coordinates; those of others must be free.",
+    why="a part is frozen, or follows others, by its coordinates; those of others must be free",
 )
 def _coordinates(subject: Subject) -> None:
     for what, shape, partition in _stages(subject):
@@ -290,7 +290,7 @@ def _coordinates(subject: Subject) -> None:
 @check(
     "parameterization-distances",
     kinds=["parameterization"],
-    why="Boundaries are moved off the elements by distances; they must agree with the labels.",
+    why="boundaries are moved off the elements by distances; they must agree with the labels",
 )
 def _distances(subject: Subject) -> None:
     shape, n = dots(), 3

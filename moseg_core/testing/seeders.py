@@ -47,7 +47,7 @@ def _centers(subject: Subject) -> Iterator[tuple[str, Evaluator, FloatArray]]:
 @check(
     "seeder-count",
     kinds=["seeder"],
-    why="Every label needs a centre to begin with, be there one label or one for each element.",
+    why="every label needs a centre to begin with, be there one label or one for each element",
 )
 def _count(subject: Subject) -> None:
     for what, stage in _stages():
@@ -73,7 +73,7 @@ def _count(subject: Subject) -> None:
 @check(
     "seeder-distinct",
     kinds=["seeder"],
-    why="Two centres in one place leave a part empty, which no objective can say anything of.",
+    why="two centres in one place leave a part empty, which no objective can say anything of",
 )
 def _distinct(subject: Subject) -> None:
     for what, stage, centers in _centers(subject):
@@ -93,7 +93,7 @@ def _distinct(subject: Subject) -> None:
 @check(
     "seeder-near-shape",
     kinds=["seeder"],
-    why="A centre far from the shape gets no part, or all of it, and the search begins lost.",
+    why="a centre far from the shape gets no part, or all of it, and the search begins lost",
 )
 def _near(subject: Subject) -> None:
     for what, stage, centers in _centers(subject):
@@ -115,7 +115,7 @@ def _near(subject: Subject) -> None:
 @check(
     "seeder-reproducible",
     kinds=["seeder"],
-    why="A run is repeated with its seed; that is what users quote and compare.",
+    why="a run is repeated with its seed; that is what users quote and compare",
 )
 def _reproducible(subject: Subject) -> None:
     for (what, stage), (_, other) in zip(_stages(), _stages(), strict=True):
@@ -137,7 +137,7 @@ def _reproducible(subject: Subject) -> None:
 @check(
     "seeder-heeds-report",
     kinds=["seeder"],
-    why="Who reports progress is told when time is up; going on keeps the user waiting.",
+    why="who reports progress is told when time is up; going on keeps the user waiting",
 )
 def _heeds(subject: Subject) -> None:
     for what, stage in _stages():
