@@ -18,6 +18,7 @@ labels that it takes (:func:`constraint_on`).
 from __future__ import annotations
 
 import hashlib
+import inspect
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
@@ -224,6 +225,8 @@ def declared(subject: Subject) -> tuple[Parameter, ...]:
     if kind == "objective" or isinstance(target, FunctionConstraint):
         found: tuple[Parameter, ...] = tuple(target.parameters)
         return found
+    if kind == "measure" and not inspect.isroutine(target):
+        target = target.__call__  # an object with state of its own
     if kind in DRIVEN:
         return declared_parameters(target, reserved=("rng",) if kind == "optimizer" else ())
     return ()

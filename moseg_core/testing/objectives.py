@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -37,6 +36,7 @@ from moseg_core.testing.drivers import (
 )
 from moseg_core.testing.watched import watched
 from moseg_core.testing.zoo import ZOO, Labelling, faces_of, labellings, specimen
+from moseg_core.types import FloatArray
 
 
 def _zoo_values(subject: Subject) -> Result:
@@ -128,9 +128,8 @@ def sees_its_parts(subject: Subject) -> None:
     for labels, first, count in ((base.labels, 0, 3), (elsewhere, 1, 6)):
         given = Labelling(title=base.title, labels=labels.astype(np.int32), n_parts=count)
         parts = segmented(subject, lump, given).parts
-        chosen = parts[first] if least == 1 else (parts[first], parts[first + 1])
-        if target.traits.arity == "nary" and least == 1:
-            chosen = (parts[first],)
+        unary = target.traits.arity == "unary"
+        chosen = parts[first] if unary else parts[first : first + least]
         values.append(value_of(target, chosen, parameters))
     if not same(values[0], values[1], tolerance=1e-9):
         raise ContractFailure(
@@ -244,13 +243,11 @@ def _evaluator(subject: Subject, *, remember: bool) -> Evaluator:
     """
     target: Objective = subject.load()
     traits = target.traits
-    count = 3 if traits.most is None else min(3, traits.most)
-    if traits.arity == "unary":
-        count = 3
+    most = 3 if traits.arity == "unary" or traits.most is None else traits.most
     if traits.least > 3:
         raise Skip(f"it takes {traits.least} parts")
     said = [f"{key}={float(value):g}" for key, value in required_values(declared(subject)).items()]
-    labels = [] if traits.arity == "global" else list(LABELS[:count])
+    labels = [] if traits.arity == "global" else list(LABELS[:most])
     inside = ", ".join([*labels, *said])
     problem = Problem(
         LABELS,
@@ -263,8 +260,14 @@ def _evaluator(subject: Subject, *, remember: bool) -> Evaluator:
     return Evaluator(shape, problem, Voronoi(shape, 3), memo=memo)
 
 
-def _one_by_one(subject: Subject, vectors: Any) -> list[Cost]:
-    """Costs of vectors, nothing remembered between them.
+def _candidates(count: int) -> FloatArray:
+    """(count, 12) float: vectors of three centres on the lump."""
+    shape = specimen("lump")
+    return vectors_of(Voronoi(shape, 3), shape, count=count, seed=1)
+
+
+def _one_by_one(evaluator: Evaluator, vectors: FloatArray) -> list[Cost]:
+    """Costs of vectors, evaluated one after the other.
 
     Raises
     ------
@@ -272,16 +275,9 @@ def _one_by_one(subject: Subject, vectors: Any) -> list[Cost]:
         The objective fails on one of them; other checks say how.
     """
     try:
-        return [_evaluator(subject, remember=False).evaluate(vector).cost for vector in vectors]
+        return [evaluator.evaluate(vector).cost for vector in vectors]
     except MosegError as error:
         raise Skip(f"it cannot be evaluated: {error}") from error
-
-
-def _candidates() -> Any:
-    """(12, 12) float: vectors of three centres on the lump, the first ones again at the end."""
-    shape = specimen("lump")
-    vectors = vectors_of(Voronoi(shape, 3), shape, count=8, seed=1)
-    return np.concatenate([vectors, vectors[:4]])
 
 
 @check(
@@ -290,12 +286,11 @@ def _candidates() -> Any:
     why="a value that was remembered must be the one that would be computed",
 )
 def memo_equals_fresh(subject: Subject) -> None:
-    """Asked again and again, the value is the one of the first time."""
-    vectors = _candidates()
-    fresh = _one_by_one(subject, vectors)
-    evaluator = _evaluator(subject, remember=True)
-    remembered = [evaluator.evaluate(vector).cost for vector in vectors]
-    _must_equal(fresh, remembered, "one by one, with values remembered and without")
+    """Asked again, the value is the one of the first time, remembered or not."""
+    vectors = np.tile(_candidates(3), (2, 1))
+    fresh = _one_by_one(_evaluator(subject, remember=False), vectors)
+    remembered = _one_by_one(_evaluator(subject, remember=True), vectors)
+    _must_equal(fresh, remembered, "twice, with values remembered and without")
 
 
 @check(
@@ -305,10 +300,11 @@ def memo_equals_fresh(subject: Subject) -> None:
 )
 def batch_equals_loop(subject: Subject) -> None:
     """Evaluated as a batch, candidates cost the same; the best is the best."""
-    vectors = _candidates()
-    alone = _one_by_one(subject, vectors)
-    together = _evaluator(subject, remember=True).costs(Batch(vectors=vectors))
-    _must_equal(alone, together, "one by one, and as a batch")
+    vectors = _candidates(9)
+    alone = [_one_by_one(_evaluator(subject, remember=True), v[None])[0] for v in vectors]
+    twice = np.concatenate([vectors, vectors[:3]])
+    together = _evaluator(subject, remember=True).costs(Batch(vectors=twice))
+    _must_equal([*alone, *alone[:3]], together, "one by one, and as a batch")
     hurried = _evaluator(subject, remember=True).costs(Batch(vectors=vectors, best_only=True))
     _must_equal([min(alone)], [min(hurried)], "one by one, and as a batch of which the best counts")
 

@@ -36,11 +36,13 @@ def baseline(subject: Subject) -> Result:
 
 
 def compare(first: Result, second: Result, *, did: str, expected: str, fix: str) -> None:
+    """Complain where two results differ by more than rounding."""
     if found := difference(first, second, tolerance=ROUNDING):
         raise ContractFailure(did=did, got=found, expected=expected, fix=fix)
 
 
 def complain_of_errors(found: Result, *, did: str, excused: bool, fix: str) -> None:
+    """Complain where a result is an error, but for moseg's own where those are excused."""
     for title, value in found.items():
         if isinstance(value, Raised) and not (excused and value.excused):
             raise ContractFailure(

@@ -80,7 +80,7 @@ def watched(segmentation: Segmentation) -> tuple[Segmentation, set[str]]:
 
 def _copied(plain: Any, kind: type, reads: set[str]) -> Any:
     """An object of another class with the same fields."""
-    made = object.__new__(kind)
+    made: Any = object.__new__(kind)
     vars(made).update(vars(plain))
     vars(made)[_READS] = reads
     return made
