@@ -25,13 +25,11 @@ from moseg_core.cost import Cost
 from moseg_core.errors import MosegError
 from moseg_core.evaluation import Evaluator
 from moseg_core.objectives import objective
-from moseg_core.parameters import Parameter, declared_parameters
 from moseg_core.part import Part
 from moseg_core.problem import Problem
 from moseg_core.protocols import Centers, Progress
 from moseg_core.segmentation import Segmentation
 from moseg_core.shape import Shape
-from moseg_core.testing.check import ContractFailure, Skip, Subject
 from moseg_core.types import FloatArray, IntArray
 
 _OCTAHEDRON = [(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)]
@@ -217,46 +215,6 @@ def vectors(stage: Evaluator, count: int, seed: int = 0) -> FloatArray:
 def silent(progress: Progress) -> bool:
     """A listener who never asks to stop."""
     return False
-
-
-def parameters_of(subject: Subject, *meets: Any) -> dict[str, Any]:
-    """Values of the parameters without a default, from the component's own ``example``.
-
-    Parameters
-    ----------
-    subject : Subject
-    meets : objects
-        What its ``example`` is called with: see :mod:`moseg_core.protocols`.
-
-    Raises
-    ------
-    ContractFailure
-        There is a parameter without a default, and no example of it.
-    """
-    factory = subject.load()
-    reserved = ("rng",) if subject.component.kind == "optimizer" else ()
-    missing = [p.name for p in declared(subject, reserved) if p.required]
-    if not missing:
-        return {}
-    example = getattr(factory, "example", None)
-    given: dict[str, Any] = dict(example(*meets)) if callable(example) else {}
-    for name in missing:
-        if name not in given:
-            raise ContractFailure(
-                did=f"{subject.component.id} was to be made with its parameters' defaults",
-                got=f"parameter '{name}' has none",
-                expected="a default, or a static method 'example' that returns a value for it",
-                fix=f"give '{name}' a default, or write example() as moseg_core.protocols says",
-            )
-    return given
-
-
-def declared(subject: Subject, reserved: tuple[str, ...] = ()) -> tuple[Parameter, ...]:
-    """The declared parameters of a component; what cannot be read of them is another check's."""
-    try:
-        return declared_parameters(subject.load(), reserved=reserved)
-    except TypeError as error:
-        raise Skip(f"its parameters cannot be read: {error}") from error
 
 
 def refused(make: Callable[[], Any]) -> tuple[Any, str]:
