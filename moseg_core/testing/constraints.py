@@ -17,12 +17,11 @@ import numpy as np
 
 from moseg_core.protocols import Constraint
 from moseg_core.testing.check import ContractFailure, Subject, check
+from moseg_core.testing.drivers import declared, values_for
 from moseg_core.testing.parameterizations import within
 from moseg_core.testing.stages import (
     as_numbers,
-    declared,
     even_pebble,
-    parameters_of,
     refused,
     unlike,
 )
@@ -42,7 +41,7 @@ def _made(subject: Subject) -> list[tuple[str, Constraint]]:
     planar = any(parameter.name == "plane" for parameter in declared(subject))
     for count in range(1, _LABELS):
         labels = tuple(range(count, 0, -1))
-        given = parameters_of(subject, shape, labels)
+        given = values_for(subject, shape, labels)
         tried = [given]
         if planar and "plane" not in given:
             tried = [{**given, "plane": "x"}, *([] if found else [given])]

@@ -16,7 +16,8 @@ from scipy.spatial.distance import pdist
 
 from moseg_core.shape import Shape
 from moseg_core.testing.check import ContractFailure, Skip, Subject, check
-from moseg_core.testing.stages import parameters_of, pebble, refused, turn, unlike
+from moseg_core.testing.drivers import values_for
+from moseg_core.testing.stages import pebble, refused, turn, unlike
 from moseg_core.types import FloatArray
 
 #: Of the greatest distance. Iterations that stop a little sooner or later must be allowed for.
@@ -24,7 +25,7 @@ _SAME = 1e-3
 
 
 def _made(subject: Subject, shape: Shape) -> Callable[[Shape], Shape]:
-    made: Callable[[Shape], Shape] = subject.load()(**parameters_of(subject, shape))
+    made: Callable[[Shape], Shape] = subject.load()(**values_for(subject, shape))
     return made
 
 

@@ -14,14 +14,15 @@ import numpy as np
 
 from moseg_core.evaluation import Evaluator
 from moseg_core.testing.check import ContractFailure, Skip, Subject, check
-from moseg_core.testing.stages import evaluator, parameters_of, vectors
+from moseg_core.testing.drivers import values_for
+from moseg_core.testing.stages import evaluator, vectors
 from moseg_core.types import FloatArray, IntArray
 
 _ROUNDING = 1e-9
 
 
 def _order(subject: Subject, stage: Evaluator, vector: FloatArray) -> IntArray:
-    labeler = subject.load()(**parameters_of(subject, stage))
+    labeler = subject.load()(**values_for(subject, stage))
     return np.asarray(labeler(stage, vector))
 
 

@@ -18,7 +18,8 @@ import numpy as np
 from moseg_core.cost import Cost
 from moseg_core.protocols import Batch, Optimizer
 from moseg_core.testing.check import ContractFailure, Skip, Subject, check
-from moseg_core.testing.stages import as_numbers, clean, declared, parameters_of, unlike
+from moseg_core.testing.drivers import declared, values_for
+from moseg_core.testing.stages import as_numbers, clean, unlike
 from moseg_core.types import FloatArray
 
 Toy = Callable[[FloatArray], Cost]
@@ -95,7 +96,7 @@ def _made(
     low = np.full(len(start), -_REACH) if lower is None else lower
     high = np.full(len(start), _REACH) if upper is None else upper
     scale = np.ones(len(start))
-    given = parameters_of(subject, start)
+    given = values_for(subject, start)
     if limit is not None:
         given[_LIMIT] = limit
     rng = np.random.default_rng(seed)
@@ -104,7 +105,7 @@ def _made(
 
 
 def _limits(subject: Subject) -> bool:
-    return any(p.name == _LIMIT for p in declared(subject, reserved=("rng",)))
+    return any(p.name == _LIMIT for p in declared(subject))
 
 
 def _asked(search: Optimizer, size: int) -> Batch:

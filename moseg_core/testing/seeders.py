@@ -15,7 +15,8 @@ import numpy as np
 from moseg_core.evaluation import Evaluator
 from moseg_core.protocols import Progress, Report, Seeding
 from moseg_core.testing.check import ContractFailure, Subject, check
-from moseg_core.testing.stages import as_numbers, evaluator, parameters_of, pebble, silent, unlike
+from moseg_core.testing.drivers import values_for
+from moseg_core.testing.stages import as_numbers, evaluator, pebble, silent, unlike
 from moseg_core.types import FloatArray
 
 #: How far outside of the box a centre may be, in diagonals of the box.
@@ -26,7 +27,7 @@ _APART = 1e-9
 def _seeded(
     subject: Subject, stage: Evaluator, *, seed: int = 0, report: Report = silent
 ) -> Seeding:
-    seeder = subject.load()(**parameters_of(subject, stage))
+    seeder = subject.load()(**values_for(subject, stage))
     found: Seeding = seeder(stage, rng=np.random.default_rng(seed), report=report)
     return found
 
@@ -119,7 +120,7 @@ def _near(subject: Subject) -> None:
 )
 def _reproducible(subject: Subject) -> None:
     for (what, stage), (_, other) in zip(_stages(), _stages(), strict=True):
-        seeder = subject.load()(**parameters_of(subject, stage))
+        seeder = subject.load()(**values_for(subject, stage))
         first, second = (
             seeder(on, rng=np.random.default_rng(7), report=silent).centers for on in (stage, other)
         )
