@@ -17,12 +17,11 @@ import numpy as np
 
 from moseg_core.protocols import Constraint
 from moseg_core.testing.check import ContractFailure, Subject, check
+from moseg_core.testing.drivers import declared, values_for
 from moseg_core.testing.parameterizations import within
 from moseg_core.testing.stages import (
     as_numbers,
-    declared,
     even_pebble,
-    parameters_of,
     refused,
     unlike,
 )
@@ -42,7 +41,7 @@ def _made(subject: Subject) -> list[tuple[str, Constraint]]:
     planar = any(parameter.name == "plane" for parameter in declared(subject))
     for count in range(1, _LABELS):
         labels = tuple(range(count, 0, -1))
-        given = parameters_of(subject, shape, labels)
+        given = values_for(subject, shape, labels)
         tried = [given]
         if planar and "plane" not in given:
             tried = [{**given, "plane": "x"}, *([] if found else [given])]
@@ -97,7 +96,7 @@ def _rows(array: FloatArray, labels: tuple[int, ...]) -> FloatArray:
 @check(
     "constraint-dimensions",
     kinds=["constraint"],
-    why="The search has as many coordinates as a constraint says; all that it returns must fit.",
+    why="the search has as many coordinates as a constraint says; all that it returns must fit",
 )
 def _dimensions(subject: Subject) -> None:
     for what, made in _made(subject):
@@ -136,7 +135,7 @@ def _dimensions(subject: Subject) -> None:
 @check(
     "constraint-in-bounds",
     kinds=["constraint"],
-    why="The search begins at the reduced numbers and moves within the bounds; both must do.",
+    why="the search begins at the reduced numbers and moves within the bounds; both must do",
 )
 def _in_bounds(subject: Subject) -> None:
     for what, made in _made(subject):
@@ -164,7 +163,7 @@ def _in_bounds(subject: Subject) -> None:
 @check(
     "constraint-reduce-expand",
     kinds=["constraint"],
-    why="A search that goes on from its own result must begin where it ended.",
+    why="a search that goes on from its own result must begin where it ended",
 )
 def _reduce_expand(subject: Subject) -> None:
     for what, made in _made(subject):
@@ -183,7 +182,7 @@ def _reduce_expand(subject: Subject) -> None:
 @check(
     "constraint-feasible",
     kinds=["constraint"],
-    why="The centres that reduce() returns are read by other constraints; they must be feasible.",
+    why="the centres that reduce() returns are read by other constraints; they must be feasible",
 )
 def _feasible(subject: Subject) -> None:
     for what, made in _made(subject):
@@ -204,7 +203,7 @@ def _feasible(subject: Subject) -> None:
 @check(
     "constraint-unchanged",
     kinds=["constraint"],
-    why="Centres that obey already need no correction; moving them spoils a good start.",
+    why="centres that obey already need no correction; moving them spoils a good start",
 )
 def _unchanged(subject: Subject) -> None:
     for what, made in _made(subject):
@@ -224,7 +223,7 @@ def _unchanged(subject: Subject) -> None:
 @check(
     "constraint-touches-only-its-own",
     kinds=["constraint"],
-    why="Constraints are put together by what they determine and read; nothing else may change.",
+    why="constraints are put together by what they determine and read; nothing else may change",
 )
 def _touches(subject: Subject) -> None:
     for what, made in _made(subject):

@@ -18,6 +18,7 @@ labels that it takes (:func:`constraint_on`).
 from __future__ import annotations
 
 import hashlib
+import inspect
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
@@ -64,7 +65,7 @@ DRIVEN: tuple[Kind, ...] = (
 LABELS = ("a", "b", "c")
 """Labels of the problem that seeders and labelers are given."""
 
-SHAPES = ("tetrahedron", "disc", "sphere", "cloud", "voxels", "lump")
+SHAPES = ("tetrahedron", "disc", "cloud", "voxels", "lump")
 """The specimens on which objectives and measures are driven."""
 
 
@@ -87,6 +88,19 @@ class Raised:
         return f"the error {self.text}"
 
 
+@dataclass(frozen=True)
+class Foreign:
+    """In place of an object of which only the type can be compared.
+
+    Parameters
+    ----------
+    type : str
+        Its name.
+    """
+
+    type: str
+
+
 def as_it_is(made: Any) -> Any:
     """The component itself."""
     return made
@@ -100,7 +114,7 @@ class Trial:
     ----------
     subject : Subject
     parameters : mapping of str to value
-        Those of the user; what is required and missing is chosen by :func:`required_values`.
+        Those of the user; what is required and missing is chosen by :func:`values_for`.
     through : callable
         What is made goes through this before it is used: pickled and back, for instance.
     read_only : bool
@@ -116,12 +130,16 @@ class Trial:
     backwards: bool = False
     _given: list[tuple[str, Any, str]] = field(default_factory=list)
 
-    def make(self, *arguments: Any, **more: Any) -> Any:
-        """The component, made from what its kind is given and the parameters."""
+    def make(self, *arguments: Any, meets: tuple[Any, ...] | None = None, **more: Any) -> Any:
+        """The component, made from what its kind is given and the parameters.
+
+        What it `meets` later, where that is not what it is made from, is for its ``example``.
+        """
         target = self.subject.load()
         if self.subject.component.kind in ("objective", "measure"):
             return self.through(target)
-        values = {**required_values(declared(self.subject)), **self.parameters}
+        seen = arguments if meets is None else meets
+        values = {**values_for(self.subject, *seen), **self.parameters}
         return self.through(target(*arguments, **more, **values))
 
     def give(self, title: str, array: Any) -> Any:
@@ -191,7 +209,8 @@ def run(trial: Trial) -> Result:
     kind = trial.subject.component.kind
     if kind not in DRIVERS:
         raise Skip(f"a {kind} is not run by the kit")
-    required_values(declared(trial.subject))
+    if not has_example(trial.subject):
+        required_values(declared(trial.subject))
     return DRIVERS[kind](trial)
 
 
@@ -211,9 +230,35 @@ def declared(subject: Subject) -> tuple[Parameter, ...]:
     if kind == "objective" or isinstance(target, FunctionConstraint):
         found: tuple[Parameter, ...] = tuple(target.parameters)
         return found
+    if kind == "measure" and not inspect.isroutine(target):
+        target = target.__call__  # an object with state of its own
     if kind in DRIVEN:
         return declared_parameters(target, reserved=("rng",) if kind == "optimizer" else ())
     return ()
+
+
+def has_example(subject: Subject) -> bool:
+    """Whether a component brings parameters to try it with; see :mod:`moseg_core.protocols`."""
+    return callable(getattr(subject.load(), "example", None))
+
+
+def values_for(subject: Subject, *meets: Any) -> dict[str, Any]:
+    """Parameters to try a component with: of its own ``example``, or those that must be given.
+
+    Parameters
+    ----------
+    subject : Subject
+    *meets : objects
+        What its ``example`` is called with: see :mod:`moseg_core.protocols`.
+
+    Raises
+    ------
+    Skip
+        See :func:`required_values`.
+    """
+    told = dict(subject.load().example(*meets)) if has_example(subject) else {}
+    rest = [parameter for parameter in declared(subject) if parameter.name not in told]
+    return {**required_values(rest), **told}
 
 
 def required_values(parameters: Sequence[Parameter]) -> dict[str, Any]:
@@ -285,7 +330,7 @@ def same(first: Any, second: Any, *, tolerance: float = 0.0) -> bool:
     try:
         a, b = np.asarray(first, np.float64), np.asarray(second, np.float64)
     except (TypeError, ValueError):
-        return type(first) is type(second) and _comparable(first) == _comparable(second)
+        return bool(_comparable(first) == _comparable(second))
     return a.shape == b.shape and bool(
         np.all((a == b) | (np.isnan(a) & np.isnan(b)) | _near(a, b, tolerance))
     )
@@ -299,7 +344,8 @@ def _near(a: FloatArray, b: FloatArray, tolerance: float) -> Any:
 
 def _comparable(value: Any) -> Any:
     """The value where it is plain; of anything else its type is all that can be compared."""
-    return value if isinstance(value, (str, bytes, bool, type(None))) else type(value).__name__
+    plain = isinstance(value, (str, bytes, type(None), Foreign))
+    return value if plain else Foreign(type(value).__name__)
 
 
 def _short(value: Any) -> str:
@@ -352,15 +398,17 @@ def calls_on(target: Objective, segmentation: Segmentation) -> dict[str, Any]:
     return found
 
 
+def value_of(target: Objective, given: Any, parameters: Mapping[str, Any]) -> Any:
+    """The value of an objective, or :class:`Raised`."""
+    return attempt(lambda: target(given, **parameters))
+
+
 def values_on(
-    target: Objective,
-    segmentation: Segmentation,
-    title: str,
-    parameters: Mapping[str, Any],
+    target: Objective, segmentation: Segmentation, title: str, parameters: Mapping[str, Any]
 ) -> Result:
     """The values of an objective for all that it may be asked of a segmentation."""
     return {
-        f"{title}, {name}": attempt(lambda given=given: target(given, **parameters))  # type: ignore[misc]
+        f"{title}, {name}": value_of(target, given, parameters)
         for name, given in calls_on(target, segmentation).items()
     }
 
@@ -495,7 +543,7 @@ def _drive_seeder(trial: Trial) -> Result:
     found: Result = {}
     for shape in trial.shapes("tetrahedron", "cloud", "lump"):
         evaluator = evaluator_on(trial.subject, shape)
-        seeder = trial.make()
+        seeder = trial.make(meets=(evaluator,))
         rng = np.random.default_rng(5)
         seeding = attempt(lambda: seeder(evaluator, rng=rng, report=go_on))  # noqa: B023
         raised = isinstance(seeding, Raised)
@@ -507,7 +555,7 @@ def _drive_labeler(trial: Trial) -> Result:
     found: Result = {}
     for shape in trial.shapes("tetrahedron", "cloud", "lump"):
         evaluator = evaluator_on(trial.subject, shape)
-        labeler = trial.make()
+        labeler = trial.make(meets=(evaluator,))
         for k, vector in enumerate(vectors_of(evaluator.parameterization, shape)):
             handed = trial.give("the vector", vector)
             order = attempt(lambda: labeler(evaluator, handed))  # noqa: B023
@@ -575,7 +623,7 @@ def optimizer_on(trial: Trial, toy: Toy, *, seed: int = 3) -> Optimizer:
             ("scale", toy.scale),
         )
     ]
-    made: Optimizer = trial.make(*bounds, rng=np.random.default_rng(seed))
+    made: Optimizer = trial.make(*bounds, meets=(bounds[0],), rng=np.random.default_rng(seed))
     return made
 
 
@@ -650,7 +698,7 @@ def _drive_constraint(trial: Trial) -> Result:
 def _drive_embedding(trial: Trial) -> Result:
     found: Result = {}
     for shape in trial.shapes("sphere", "lump"):
-        embedding = trial.make()
+        embedding = trial.make(meets=(shape,))
         bent = attempt(lambda: embedding(shape))  # noqa: B023
         found[shape.name] = bent if isinstance(bent, Raised) else bent.geometry.vertices
     return found

@@ -9,14 +9,20 @@ from __future__ import annotations
 import numpy as np
 
 from moseg_core.errors import UsageError
+from moseg_core.specs import ConstraintSpec
 
-BROKEN = {
+_NAMES = {
     "constraint-dimensions": "ReadsWhatItDetermines",
     "constraint-in-bounds": "BoundsTooNarrow",
     "constraint-reduce-expand": "ANumberForNothing",
     "constraint-feasible": "LeavesThemWhereTheyAre",
     "constraint-unchanged": "AlwaysMoves",
     "constraint-touches-only-its-own": "ReadsInSecret",
+}
+
+BROKEN = {
+    id: ConstraintSpec(name="broken", target=f"tests.testing.broken.constraints:{name}")
+    for id, name in _NAMES.items()
 }
 
 
