@@ -18,7 +18,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Self
 
@@ -32,6 +32,9 @@ _LAST_WORDS = 1.0
 
 #: How many bytes of what a child printed are looked at.
 _TAIL = 1 << 16
+
+
+Announce = Callable[[int, int, str], None]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,7 +60,13 @@ class Report:
         return all(outcome.status != "failed" for outcome in self.outcomes)
 
 
-def watch_checks(bundle: str, *, timeout: float = 60.0, command: Sequence[str] = _CHILD) -> Report:
+def watch_checks(
+    bundle: str,
+    *,
+    timeout: float = 60.0,
+    report: Announce | None = None,
+    command: Sequence[str] = _CHILD,
+) -> Report:
     """Run all checks on a bundle, whatever its components do.
 
     Parameters
@@ -66,6 +75,8 @@ def watch_checks(bundle: str, *, timeout: float = 60.0, command: Sequence[str] =
         Namespace of an installed bundle.
     timeout : float, seconds
         The longest that a check may take, and that the bundle may take to be imported.
+    report : callable, optional
+        Told before each check how many are done, how many there are, and which is next.
     command : sequence of str
         What runs the checks; a process that tells what :mod:`moseg_core.testing.child` does.
 
@@ -96,6 +107,8 @@ def watch_checks(bundle: str, *, timeout: float = 60.0, command: Sequence[str] =
                     cases, distribution = said["cases"], said["distribution"]
                 elif said["event"] == "start":
                     running = said["case"]
+                    if report is not None and cases is not None:
+                        report(len(found), len(cases), " ".join(cases[said["case"]]))
                 elif cases is not None:
                     component, check = cases[said["case"]]
                     kept = {key: said[key] for key in ("status", "message", "fix")}

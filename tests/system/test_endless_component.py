@@ -40,9 +40,9 @@ MODULE = '''
 @pytest.mark.slow
 def test_it_is_ended_and_named_and_the_rest_goes_on(site):
     site.add("moseg-endless", bundles={"endless": "endless"}, endless=MODULE)
+    words = ["plugin", "check", "endless", "--json", "--timeout", "15"]
     done = subprocess.run(
-        [sys.executable, "-m", "moseg_core", "plugin", "check", "endless", "--json"]
-        + ["--timeout", "15"],
+        [sys.executable, "-m", "moseg_core", *words],
         env=os.environ | {"PYTHONPATH": str(site.folder)},
         capture_output=True,
         text=True,
