@@ -1,91 +1,157 @@
-"""The process in which ``moseg plugin check`` runs a bundle: it may hang or die, and be replaced.
+"""Components at work in other processes, for what only shows there.
 
-Started by :mod:`moseg_core.testing.watch` as ``python -m moseg_core.testing.child``. What happens
-is told line by line, as JSON, through a pipe of its own, since what a component prints must not
-get in between::
+The order of sets and the hashes of texts differ from process to process, by ``PYTHONHASHSEED``; a
+result that hangs on them can be neither repeated nor resumed. :func:`drive_elsewhere` runs a
+component in a child process with a hash seed of its own. Starting one takes seconds, so that each
+child goes on to serve all components of a run; one that dies is started anew.
 
-    {"event": "cases", "cases": [["bundle:name", "check-id"], ...],
-     "distribution": "moseg-vessels 0.1.0"}
-    {"event": "start", "case": 0}
-    {"event": "outcome", "case": 0, "status": "passed", "message": "", "fix": ""}
-    {"event": "refused", "message": "unknown bundle ...", "code": 2}
-
-Asked by the signal SIGUSR1 it writes on stderr where it is.
+Requests and answers are pickles over pipes, to and from our own children only. What a component
+prints there goes nowhere.
 """
 
 from __future__ import annotations
 
-import argparse
-import faulthandler
+import atexit
 import json
 import os
-import signal
-from collections.abc import Callable, Collection, Sequence
-from typing import Any
+import pickle
+import queue
+import subprocess
+import sys
+import threading
+from collections.abc import Mapping
+from typing import Any, BinaryIO
 
-from moseg_core.errors import MosegError
-from moseg_core.plugins import registry
-from moseg_core.testing.run import Case, cases_of
+from moseg_core.plugins import Component, Registry, describe
+from moseg_core.testing.check import Subject
 
-Tell = Callable[..., None]
-
-
-def run_cases_aloud(cases: Sequence[Case], tell: Tell, *, leave_out: Collection[int] = ()) -> None:
-    """Run cases one by one, telling before and after each.
-
-    Parameters
-    ----------
-    cases : sequence of Case
-    tell : callable
-        Receives ``event=`` and what belongs to it.
-    leave_out : collection of int
-        Cases that are not to be run.
-    """
-    for number, case in enumerate(cases):
-        if number in leave_out:
-            continue
-        tell(event="start", case=number)
-        found = case.outcome()
-        tell(
-            event="outcome",
-            case=number,
-            status=found.status,
-            message=found.message,
-            fix=found.fix,
-        )
+_START = (
+    "import sys, json; sys.path[:] = json.loads(sys.argv[1]);"
+    " from moseg_core.testing.child import serve; serve()"
+)
+_CHILDREN: dict[int, subprocess.Popen[bytes]] = {}
+_LOCK = threading.Lock()
 
 
-def main(arguments: Sequence[str] | None = None) -> None:
-    """Check a bundle and tell what happens.
+class ChildError(RuntimeError):
+    """The component could not be run in the child; says why."""
+
+
+def drive_elsewhere(subject: Subject, *, hash_seed: int) -> dict[str, Any]:
+    """What came of a component in a process with a certain hash seed.
 
     Parameters
     ----------
-    arguments : sequence of str, optional
-        ``BUNDLE --pipe FD --leave-out 0,1,2``.
+    subject : Subject
+        Its module has to be importable there, on the same ``sys.path``.
+    hash_seed : int
+
+    Returns
+    -------
+    dict of str to value
+        As of :func:`moseg_core.testing.drivers.drive`; objects that are not plain are represented
+        by their type's name.
+
+    Raises
+    ------
+    ChildError
+        The component cannot be run there, or the process ended.
     """
-    parser = argparse.ArgumentParser()
-    parser.add_argument("bundle")
-    parser.add_argument("--pipe", type=int, required=True)
-    parser.add_argument("--leave-out", default="")
-    given = parser.parse_args(arguments)
-    faulthandler.enable()
-    faulthandler.register(signal.SIGUSR1, all_threads=False)
-    with os.fdopen(given.pipe, "w", encoding="utf-8") as pipe:
-
-        def tell(**said: Any) -> None:
-            print(json.dumps(said), file=pipe, flush=True)
-
+    request = pickle.dumps((subject.component, subject.registry))
+    with _LOCK:
+        child = _CHILDREN.get(hash_seed)
+        if child is None or child.poll() is not None:
+            child = _CHILDREN[hash_seed] = _start(hash_seed)
+        assert child.stdin is not None
+        assert child.stdout is not None  # pipes, as asked for
         try:
-            cases = cases_of(given.bundle)
-        except MosegError as error:
-            tell(event="refused", message=str(error), code=error.exit_code)
-            return
-        known = [[case.subject.component.id, case.check.id] for case in cases]
-        (found,) = (bundle for bundle in registry().bundles if bundle.name == given.bundle)
-        tell(event="cases", cases=known, distribution=f"{found.distribution} {found.version}")
-        leave_out = {int(number) for number in given.leave_out.split(",") if number}
-        run_cases_aloud(cases, tell, leave_out=leave_out)
+            _send(child.stdin, request)
+            answer = _receive(child.stdout)
+        except OSError:
+            answer = b""
+    if not answer:
+        raise ChildError("the process ended")
+    found, failure = pickle.loads(answer)
+    if failure:
+        raise ChildError(failure)
+    result: dict[str, Any] = found
+    return result
 
 
-if __name__ == "__main__":
-    main()
+def _start(hash_seed: int) -> subprocess.Popen[bytes]:
+    child = subprocess.Popen(
+        [sys.executable, "-c", _START, json.dumps([path or os.getcwd() for path in sys.path])],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        env={**os.environ, "PYTHONHASHSEED": str(hash_seed)},
+    )
+    atexit.register(_end, child)
+    return child
+
+
+def _end(child: subprocess.Popen[bytes]) -> None:
+    for pipe in (child.stdin, child.stdout):
+        if pipe is not None:
+            pipe.close()
+    child.kill()
+    child.wait()
+
+
+def _send(pipe: BinaryIO | Any, message: bytes) -> None:
+    pipe.write(len(message).to_bytes(8, "little") + message)
+    pipe.flush()
+
+
+def _receive(pipe: BinaryIO | Any) -> bytes:
+    """The next message; empty at the end."""
+    size = int.from_bytes(pipe.read(8), "little")
+    message: bytes = pipe.read(size)
+    return message if len(message) == size else b""
+
+
+def serve() -> None:
+    """Answer requests until there are no more: what the child does."""
+    answers = os.fdopen(os.dup(1), "wb")
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, 1)
+    requests: queue.Queue[bytes] = queue.Queue()
+
+    def listen() -> None:
+        # The parent is gone when its pipe is closed; a component that never returns would
+        # otherwise live on.
+        while message := _receive(sys.stdin.buffer):
+            requests.put(message)
+        os._exit(0)
+
+    threading.Thread(target=listen, daemon=True).start()
+    while True:
+        component, registry = pickle.loads(requests.get())
+        _send(answers, _answer(component, registry))
+
+
+def _answer(component: Component, registry: Registry) -> bytes:
+    from moseg_core.testing.drivers import drive
+
+    try:
+        found = drive(Subject(component=component, registry=registry))
+        return pickle.dumps((_plain(found), ""))
+    except (Exception, SystemExit) as error:  # noqa: BLE001  # a stranger's component
+        return pickle.dumps(({}, describe(error)))
+
+
+def _plain(value: Any) -> Any:
+    """The value, with what need not be known to the parent replaced by its type's name."""
+    import numpy as np
+
+    from moseg_core.testing.drivers import Foreign, Raised
+
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, (tuple, list)):
+        return tuple(_plain(item) for item in value)
+    if value is None or isinstance(value, (bool, int, float, str, bytes, Raised)):
+        return value
+    if isinstance(value, (np.ndarray, np.generic)) and value.dtype != object:
+        return np.asarray(value)
+    return Foreign(type(value).__name__)

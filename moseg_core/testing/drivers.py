@@ -18,6 +18,7 @@ labels that it takes (:func:`constraint_on`).
 from __future__ import annotations
 
 import hashlib
+import inspect
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
@@ -85,6 +86,19 @@ class Raised:
 
     def __str__(self) -> str:
         return f"the error {self.text}"
+
+
+@dataclass(frozen=True)
+class Foreign:
+    """In place of an object of which only the type can be compared.
+
+    Parameters
+    ----------
+    type : str
+        Its name.
+    """
+
+    type: str
 
 
 def as_it_is(made: Any) -> Any:
@@ -211,6 +225,8 @@ def declared(subject: Subject) -> tuple[Parameter, ...]:
     if kind == "objective" or isinstance(target, FunctionConstraint):
         found: tuple[Parameter, ...] = tuple(target.parameters)
         return found
+    if kind == "measure" and not inspect.isroutine(target):
+        target = target.__call__  # an object with state of its own
     if kind in DRIVEN:
         return declared_parameters(target, reserved=("rng",) if kind == "optimizer" else ())
     return ()
@@ -285,7 +301,7 @@ def same(first: Any, second: Any, *, tolerance: float = 0.0) -> bool:
     try:
         a, b = np.asarray(first, np.float64), np.asarray(second, np.float64)
     except (TypeError, ValueError):
-        return type(first) is type(second) and _comparable(first) == _comparable(second)
+        return bool(_comparable(first) == _comparable(second))
     return a.shape == b.shape and bool(
         np.all((a == b) | (np.isnan(a) & np.isnan(b)) | _near(a, b, tolerance))
     )
@@ -299,7 +315,8 @@ def _near(a: FloatArray, b: FloatArray, tolerance: float) -> Any:
 
 def _comparable(value: Any) -> Any:
     """The value where it is plain; of anything else its type is all that can be compared."""
-    return value if isinstance(value, (str, bytes, bool, type(None))) else type(value).__name__
+    plain = isinstance(value, (str, bytes, type(None), Foreign))
+    return value if plain else Foreign(type(value).__name__)
 
 
 def _short(value: Any) -> str:
@@ -352,15 +369,17 @@ def calls_on(target: Objective, segmentation: Segmentation) -> dict[str, Any]:
     return found
 
 
+def value_of(target: Objective, given: Any, parameters: Mapping[str, Any]) -> Any:
+    """The value of an objective, or :class:`Raised`."""
+    return attempt(lambda: target(given, **parameters))
+
+
 def values_on(
-    target: Objective,
-    segmentation: Segmentation,
-    title: str,
-    parameters: Mapping[str, Any],
+    target: Objective, segmentation: Segmentation, title: str, parameters: Mapping[str, Any]
 ) -> Result:
     """The values of an objective for all that it may be asked of a segmentation."""
     return {
-        f"{title}, {name}": attempt(lambda given=given: target(given, **parameters))  # type: ignore[misc]
+        f"{title}, {name}": value_of(target, given, parameters)
         for name, given in calls_on(target, segmentation).items()
     }
 

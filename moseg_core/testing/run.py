@@ -21,7 +21,10 @@ Status = Literal["passed", "failed", "skipped", "expected", "warned"]
 #: The modules whose checks are run, in this order.
 _MODULES = (
     "general",
+    "declarations",
+    "repeats",
     "objectives",
+    "invariances",
     "parameterizations",
     "seeders",
     "labelers",
@@ -161,9 +164,9 @@ def _shut_gate(check: Check, subject: Subject) -> str:
     for gate in CHECKS.values():
         if gate is check:
             break
-        if gate.gate and subject.component.kind in gate.kinds:
-            if subject.keep(f"gate {gate.id}", lambda gate=gate: failure(gate)):  # type: ignore[misc]
-                return gate.id
+        applies = gate.gate and subject.component.kind in gate.kinds
+        if applies and subject.keep(f"gate {gate.id}", lambda gate=gate: failure(gate)):  # type: ignore[misc]
+            return gate.id
     return ""
 
 

@@ -1,7 +1,7 @@
 """Checking a bundle from outside: a process of its own, ended when it takes forever.
 
 A component may never return, or take its process with it. So the checks run in a child
-(:mod:`moseg_core.testing.child`), which tells when it begins one and how it ended. One that takes
+(:mod:`moseg_core.testing.aloud`), which tells when it begins one and how it ended. One that takes
 too long, or in which the child dies, has failed; the rest goes on in another child, without the
 other checks of that component, since they would likely end the same way.
 """
@@ -25,7 +25,7 @@ from typing import Any, Self
 from moseg_core.errors import PluginError, UsageError
 from moseg_core.testing.run import Outcome
 
-_CHILD = (sys.executable, "-m", "moseg_core.testing.child")
+_CHILD = (sys.executable, "-m", "moseg_core.testing.aloud")
 
 #: How long a child that is to be ended may take to write down where it is.
 _LAST_WORDS = 1.0
@@ -78,7 +78,7 @@ def watch_checks(
     report : callable, optional
         Told before each check how many are done, how many there are, and which is next.
     command : sequence of str
-        What runs the checks; a process that tells what :mod:`moseg_core.testing.child` does.
+        What runs the checks; a process that tells what :mod:`moseg_core.testing.aloud` does.
 
     Returns
     -------
