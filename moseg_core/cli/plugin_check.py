@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import sys
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any, get_args
 
 from rich.console import Console
@@ -20,7 +21,7 @@ from moseg_core.cli.console import console, print_json
 from moseg_core.errors import PluginError
 from moseg_core.testing import CHECKS
 from moseg_core.testing.run import Outcome, Status, load_checks
-from moseg_core.testing.watch import Report, watch_checks
+from moseg_core.testing.watch import Announce, Report, watch_checks
 
 
 def run_check(bundle: str, *, as_json: bool, timeout: float) -> None:
@@ -31,7 +32,8 @@ def run_check(bundle: str, *, as_json: bool, timeout: float) -> None:
     PluginError
         Some failed.
     """
-    report = watch_checks(bundle, timeout=timeout)
+    with _status() as announce:
+        report = watch_checks(bundle, timeout=timeout, report=announce)
     load_checks()
     if as_json:
         print_json(_document(report))
@@ -43,6 +45,16 @@ def run_check(bundle: str, *, as_json: bool, timeout: float) -> None:
             f"bundle '{bundle}' of {report.distribution} does not keep the contract:"
             f" {_counted(failed, 'check')} failed"
         )
+
+
+@contextmanager
+def _status() -> Iterator[Announce]:
+    """Show which check is being made, on a terminal only."""
+    if not sys.stderr.isatty():
+        yield lambda done, count, which: None
+        return
+    with console(sys.stderr).status("starting") as shown:
+        yield lambda done, count, which: shown.update(f"{done} of {count} done; {which}")
 
 
 def _print(report: Report, out: Console) -> None:

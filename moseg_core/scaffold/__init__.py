@@ -12,6 +12,7 @@ to be changed into another one, with tests of its own beside the contract's.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import resources
@@ -43,34 +44,36 @@ class Sketch:
     use: tuple[str, ...]
 
 
+_SAMPLE = "moseg sample hammer -o hammer.ply"
 _HAMMER = "moseg segment hammer.ply --labels handle,head"
-_WHOLE = f"{_HAMMER} --minimize 'narrow(handle) + convex_parts'"
+_WHOLE = (_HAMMER, "    --minimize 'narrow(handle) + convex_parts'")
 
 SKETCHES: Mapping[str, Sketch] = {
     "objective": Sketch(
         component="slender",
         summary="one part: some times as long as it is wide, or longer",
-        use=(f"{_HAMMER} --minimize 'slender(handle, ratio=6) + convex_parts'",),
+        use=(_SAMPLE, _HAMMER, "    --minimize 'slender(handle, ratio=6) + convex_parts'"),
     ),
     "seeder": Sketch(
         component="scattered",
         summary="random elements, far from each other (greedy k-means++)",
-        use=(_WHOLE, "    --seeder 'scattered(tries=5)'"),
+        use=(_SAMPLE, *_WHOLE, "    --seeder 'scattered(tries=5)'"),
     ),
     "labeler": Sketch(
         component="exchange",
         summary="optimal for single parts, then exchanges of two labels by the whole cost",
-        use=(_WHOLE, "    --labeler exchange"),
+        use=(_SAMPLE, *_WHOLE, "    --labeler exchange"),
     ),
     "optimizer": Sketch(
         component="gaussian_steps",
         summary="random steps around the best, longer after success (evolution strategy)",
-        use=(_WHOLE, "    --optimizer 'gaussian_steps(children=10)'"),
+        use=(_SAMPLE, *_WHOLE, "    --optimizer 'gaussian_steps(children=10)'"),
     ),
     "parameterization": Sketch(
         component="minkowski",
         summary="weighted Voronoi partition in which circles may be diamonds or boxes",
         use=(
+            _SAMPLE,
             "moseg recipes hammer > mine.toml",
             "echo 'parameterization = \"minkowski(power=8)\"' >> mine.toml",
             "moseg segment hammer.ply --recipe mine.toml",
@@ -79,12 +82,15 @@ SKETCHES: Mapping[str, Sketch] = {
     "constraint": Sketch(
         component="same_weight",
         summary="same_weight(leg*): centres of one weight, wherever they are",
-        use=("moseg segment horse.ply --recipe horse --constraint 'same_weight(leg*)'",),
+        use=(
+            "moseg sample horse -o horse.ply",
+            "moseg segment horse.ply --recipe horse --constraint 'same_weight(leg*)'",
+        ),
     ),
     "embedding": Sketch(
         component="rounded",
         summary="stretched across until as wide and high as long",
-        use=(_WHOLE, "    --embedding rounded"),
+        use=(_SAMPLE, *_WHOLE, "    --embedding rounded"),
     ),
 }
 """The kinds that can be sketched, in the order in which they are offered."""
@@ -107,7 +113,7 @@ def words(name: str, kind: str) -> dict[str, str]:
         "MY_COMPONENT": sketch.component,
         "MY_SUMMARY": sketch.summary,
         "MY_KIND": kind,
-        "MY_USE": "\n".join(f"    {line}" for line in sketch.use),
+        "MY_USE": re.sub(r"\n +--", r" \\\g<0>", "\n".join(f"    {line}" for line in sketch.use)),
         "CORE_VERSION": __version__,
         "CORE_CONTRACT": str(CONTRACT),
     }

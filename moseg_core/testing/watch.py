@@ -1,7 +1,7 @@
 """Checking a bundle from outside: a process of its own, ended when it takes forever.
 
 A component may never return, or take its process with it. So the checks run in a child
-(:mod:`moseg_core.testing.child`), which tells when it begins one and how it ended. One that takes
+(:mod:`moseg_core.testing.aloud`), which tells when it begins one and how it ended. One that takes
 too long, or in which the child dies, has failed; the rest goes on in another child, without the
 other checks of that component, since they would likely end the same way.
 """
@@ -18,20 +18,23 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Self
 
 from moseg_core.errors import PluginError, UsageError
 from moseg_core.testing.run import Outcome
 
-_CHILD = (sys.executable, "-m", "moseg_core.testing.child")
+_CHILD = (sys.executable, "-m", "moseg_core.testing.aloud")
 
 #: How long a child that is to be ended may take to write down where it is.
 _LAST_WORDS = 1.0
 
 #: How many bytes of what a child printed are looked at.
 _TAIL = 1 << 16
+
+
+Announce = Callable[[int, int, str], None]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,7 +60,13 @@ class Report:
         return all(outcome.status != "failed" for outcome in self.outcomes)
 
 
-def watch_checks(bundle: str, *, timeout: float = 60.0, command: Sequence[str] = _CHILD) -> Report:
+def watch_checks(
+    bundle: str,
+    *,
+    timeout: float = 60.0,
+    report: Announce | None = None,
+    command: Sequence[str] = _CHILD,
+) -> Report:
     """Run all checks on a bundle, whatever its components do.
 
     Parameters
@@ -66,8 +75,10 @@ def watch_checks(bundle: str, *, timeout: float = 60.0, command: Sequence[str] =
         Namespace of an installed bundle.
     timeout : float, seconds
         The longest that a check may take, and that the bundle may take to be imported.
+    report : callable, optional
+        Told before each check how many are done, how many there are, and which is next.
     command : sequence of str
-        What runs the checks; a process that tells what :mod:`moseg_core.testing.child` does.
+        What runs the checks; a process that tells what :mod:`moseg_core.testing.aloud` does.
 
     Returns
     -------
@@ -96,6 +107,8 @@ def watch_checks(bundle: str, *, timeout: float = 60.0, command: Sequence[str] =
                     cases, distribution = said["cases"], said["distribution"]
                 elif said["event"] == "start":
                     running = said["case"]
+                    if report is not None and cases is not None:
+                        report(len(found), len(cases), " ".join(cases[said["case"]]))
                 elif cases is not None:
                     component, check = cases[said["case"]]
                     kept = {key: said[key] for key in ("status", "message", "fix")}

@@ -131,7 +131,7 @@ def outcomes(monkeypatch):
 
     def use(count: int) -> None:
         report = Report(bundle="acme", distribution="moseg-acme 1.4", outcomes=tuple(found[:count]))
-        monkeypatch.setattr(plugin_check, "watch_checks", lambda bundle, *, timeout: report)
+        monkeypatch.setattr(plugin_check, "watch_checks", lambda bundle, **_: report)
 
     return use
 

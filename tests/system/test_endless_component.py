@@ -9,40 +9,41 @@ import sys
 
 import pytest
 
-MODULE = '''
+BUNDLE = """
+    from moseg_core import ObjectiveSpec, hookimpl
+
+    @hookimpl
+    def moseg_objectives():
+        return [
+            ObjectiveSpec(name="patient", target="endless_objectives:patient"),
+            ObjectiveSpec(name="large", target="endless_objectives:large"),
+        ]
+"""
+OBJECTIVES = '''
     import time
 
-    from moseg_core import LabelerSpec, SeederSpec, hookimpl
+    from moseg_core import Part, objective
 
-    @hookimpl
-    def moseg_seeders():
-        return [SeederSpec(name="patient", target="endless:Patient")]
-
-    @hookimpl
-    def moseg_labelers():
-        return [LabelerSpec(name="plain", target="endless:Plain")]
-
-    class Patient:
+    @objective(range=(0, 1))
+    def patient(part: Part) -> float:
         """Waits for better times."""
+        while True:
+            time.sleep(0.1)
 
-        def __call__(self, evaluator, *, rng, report):
-            while True:
-                time.sleep(0.1)
-
-    class Plain:
-        """Optimal on single parts."""
-
-        def __call__(self, evaluator, vector):
-            return evaluator.unary_costs(vector).assign()
+    @objective(range=(0, 1))
+    def large(part: Part) -> float:
+        """Small for a part that is most of the shape."""
+        return 1.0 - min(1.0, part.area / part.shape.area)
 '''
 
 
 @pytest.mark.slow
 def test_it_is_ended_and_named_and_the_rest_goes_on(site):
-    site.add("moseg-endless", bundles={"endless": "endless"}, endless=MODULE)
+    modules = {"endless": BUNDLE, "endless_objectives": OBJECTIVES}
+    site.add("moseg-endless", bundles={"endless": "endless"}, **modules)
+    words = ["plugin", "check", "endless", "--json", "--timeout", "40"]
     done = subprocess.run(
-        [sys.executable, "-m", "moseg_core", "plugin", "check", "endless", "--json"]
-        + ["--timeout", "15"],
+        [sys.executable, "-m", "moseg_core", *words],
         env=os.environ | {"PYTHONPATH": str(site.folder)},
         capture_output=True,
         text=True,
@@ -52,8 +53,8 @@ def test_it_is_ended_and_named_and_the_rest_goes_on(site):
     told = json.loads(done.stdout)["outcomes"]
     failed = [outcome for outcome in told if outcome["status"] == "failed"]
     assert [outcome["component"] for outcome in failed] == ["endless:patient"]
-    assert failed[0]["message"].startswith("its process was ended after 15 s, in '__call__' (")
-    assert "endless.py, line" in failed[0]["message"]
-    labeler = [o["status"] for o in told if o["component"] == "endless:plain"]
-    assert "passed" in labeler
-    assert "failed" not in labeler
+    assert failed[0]["message"].startswith("its process was ended after 40 s, in 'patient' (")
+    assert "endless_objectives.py, line" in failed[0]["message"]
+    other = [outcome["status"] for outcome in told if outcome["component"] == "endless:large"]
+    assert "passed" in other
+    assert "failed" not in other

@@ -109,5 +109,6 @@ def test_bundles_of_every_kind_from_wheels_alone(tmp_path):
         *("--optimizer", "gaussian_steps(max_evaluations=60)", "-o", "result.json"),
     )
     result = json.loads((work / "result.json").read_text())
-    assert result["terms"][0]["term"].startswith("3*slender")
+    assert result["terms"][0]["objective"] == "my_objective:slender"
+    assert result["method"]["optimizer"].startswith("my_optimizer:gaussian_steps")
     assert set(result["labels"]) == {0, 1}

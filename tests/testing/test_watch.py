@@ -35,14 +35,18 @@ for number in range(5):
 """
 
 
-def watched(second: str, *, before: str = "", timeout: float = 60.0):
+def watched(second: str, *, before: str = "", timeout: float = 60.0, report=None):
     script = dedent(SCRIPT).format(second=second).replace("BEFORE", before)
-    return watch_checks("b", timeout=timeout, command=[sys.executable, "-c", script])
+    command = [sys.executable, "-c", script]
+    return watch_checks("b", timeout=timeout, report=report, command=command)
 
 
 def test_all_is_well():
-    report = watched("pass")
+    told = []
+    report = watched("pass", report=lambda *said: told.append(said))
     assert report.passed
+    assert told[0] == (0, 5, "b:one first")
+    assert told[-1] == (4, 5, "b:three second")
     assert report.distribution == "acme 1.0"
     assert [outcome.component for outcome in report.outcomes] == [
         "b:one",
