@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.1.0"
 
 _HOMES = {
+    "CONTRACT": "contract",
     "ExpressionError": "errors",
     "MosegError": "errors",
     "PluginError": "errors",
@@ -84,6 +85,7 @@ if TYPE_CHECKING:
     from moseg_core.clipping import clip as clip
     from moseg_core.clipping import clip_boundaries as clip_boundaries
     from moseg_core.coarse import coarsen as coarsen
+    from moseg_core.contract import CONTRACT as CONTRACT
     from moseg_core.cost import Cost as Cost
     from moseg_core.errors import ExpressionError as ExpressionError
     from moseg_core.errors import MosegError as MosegError

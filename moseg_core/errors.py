@@ -19,13 +19,25 @@ from __future__ import annotations
 import difflib
 import re
 from collections.abc import Iterable
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
+
+if TYPE_CHECKING:
+    from moseg_core.result import Result
 
 
 class MosegError(Exception):
-    """Base of all errors that moseg raises on purpose."""
+    """Base of all errors that moseg raises on purpose.
+
+    Attributes
+    ----------
+    exit_code : int
+        With which the command line ends.
+    result : Result or None
+        Where the error ended a search under way, the best that it had found by then.
+    """
 
     exit_code: ClassVar[int] = 1
+    result: Result | None = None
 
 
 class UsageError(MosegError, ValueError):

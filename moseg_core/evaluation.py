@@ -33,6 +33,9 @@ from moseg_core.shape import Shape
 from moseg_core.types import FloatArray, Int32Array, IntArray
 from moseg_core.unary import UnaryCosts
 
+Found = tuple[Cost, FloatArray]
+"""A cost, and the (m,) vector that has it."""
+
 
 class Evaluator:
     """The aggregate objective as a function of the parameterization's vectors.
@@ -56,6 +59,8 @@ class Evaluator:
         What the problem asks of the parameterization's vectors.
     evaluations : int
         Number of candidates whose costs were asked for so far.
+    best : (Cost, (m,) float) or None
+        The least cost among them with its vector, to fall back on where something fails.
     """
 
     def __init__(
@@ -76,6 +81,7 @@ class Evaluator:
         self.pins = pins
         self.memo = Memo() if memo is None else memo
         self.evaluations = 0
+        self.best: Found | None = None
         self.input = self if input is None else input
         self._measures = measure_resolver(problem.registry)
 
@@ -96,7 +102,9 @@ class Evaluator:
 
     def evaluate(self, vector: FloatArray) -> Evaluation:
         """Cost by term and part of one vector."""
-        return self.evaluate_labels(self.labels(vector))
+        evaluation = self.evaluate_labels(self.labels(vector))
+        self._keep(evaluation.cost, vector)
+        return evaluation
 
     def evaluate_labels(self, labels: Int32Array) -> Evaluation:
         """Cost by term and part of one labelling."""
@@ -131,7 +139,12 @@ class Evaluator:
             if owner[-1] == len(candidates):
                 candidates.append(_Candidate(self, segmentation))
         found = self._complete(candidates, batch)
-        return [found[k] for k in owner]
+        costs = [found[k] for k in owner]
+        if costs:
+            least = min(costs)  # exact, by the batch's promises, unless it is beyond the cutoff
+            if batch.cutoff is None or least < batch.cutoff:
+                self._keep(least, batch.vectors[costs.index(least)])
+        return costs
 
     def unary_costs(self, vector: FloatArray) -> UnaryCosts:
         """The paper's cost matrix ``C`` for the parts of a vector (Sec. 6)."""
@@ -164,13 +177,21 @@ class Evaluator:
         """
         self.evaluations += len(vectors)
         found = []
-        for labels in self.parameterization.labels(vectors):
+        for vector, labels in zip(vectors, self.parameterization.labels(vectors), strict=True):
             segmentation = self.segmentation(labels)
             order = UnaryCosts(self.problem, segmentation, self.pins).assign(
                 self.constraints.groups
             )
-            found.append((order, self.order_cost(segmentation, order)))
+            cost = self.order_cost(segmentation, order)
+            if self.best is None or cost < self.best[0]:
+                self._keep(cost, self.parameterization.permute(vector, order))
+            found.append((order, cost))
         return found
+
+    def _keep(self, cost: Cost, vector: FloatArray) -> None:
+        """Remember a candidate if it is the best so far."""
+        if self.best is None or cost < self.best[0]:
+            self.best = cost, vector.copy()
 
     def _complete(self, candidates: list[_Candidate], batch: Batch) -> list[Cost]:
         """Costs of distinct candidates, dropping those that cannot matter."""

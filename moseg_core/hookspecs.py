@@ -34,8 +34,6 @@ from moseg_core.specs import (
     WriterSpec,
 )
 
-ENTRY_POINT_GROUP = "moseg"
-
 hookspec = pluggy.HookspecMarker("moseg")
 hookimpl = pluggy.HookimplMarker("moseg")
 

@@ -24,7 +24,7 @@ import numpy as np
 import numpy.typing as npt
 
 from moseg_core.choice import Choice
-from moseg_core.errors import ShapeError, UsageError
+from moseg_core.errors import MosegError, ShapeError, UsageError
 from moseg_core.hierarchy import Hierarchy, combined, joined
 from moseg_core.method import read_resolution, settled
 from moseg_core.pipeline import check_limits, prepare_method, segment
@@ -90,7 +90,8 @@ def segment_hierarchy(
     Raises
     ------
     UsageError, ShapeError, PluginError
-        As for :func:`moseg_core.segment`. What is wrong with a single part is a warning.
+        As for :func:`moseg_core.segment`, with what was found on all levels as the error's
+        ``result``. What is wrong with a single part is a warning.
 
     Examples
     --------
@@ -228,6 +229,8 @@ class _Descent:
         Of each level searched, by path.
     whole : list of str
         Why parts were left whole.
+    failure : MosegError or None
+        What ended the run; the levels whose turn was to come are left whole.
     """
 
     options: Options
@@ -236,6 +239,7 @@ class _Descent:
     left: int
     found: dict[str, Result] = field(default_factory=dict)
     whole: list[str] = field(default_factory=list)
+    failure: MosegError | None = None
 
     @classmethod
     def of(cls, hierarchy: Hierarchy, options: Options) -> _Descent:
@@ -255,10 +259,29 @@ class _Descent:
             mine["max_seconds"] = max(0.0, self.deadline - time.monotonic()) / max(1, self.left)
         self.left -= 1
         mine["report"] = _located(self.listener, path)
-        return segment(shape, level.problem, method=level.method, **mine, **more)
+        try:
+            return segment(shape, level.problem, method=level.method, **mine, **more)
+        except MosegError as error:
+            if error.result is None:
+                raise
+            self.failure = error
+            return error.result
 
     def merged(self, result: Result, hierarchy: Hierarchy) -> Result:
-        """The result of the first level with those of all parts put in its place."""
+        """The result of the first level with those of all parts put in its place.
+
+        Raises
+        ------
+        MosegError
+            It had ended the run; it carries the merged result.
+        """
+        found = self._merged(result, hierarchy)
+        if self.failure is not None:
+            self.failure.result = replace(found, reason="failed")
+            raise self.failure
+        return found
+
+    def _merged(self, result: Result, hierarchy: Hierarchy) -> Result:
         tree = self.descend(result, hierarchy, "")
         warnings = [
             f"{path}: {warning}" if path else warning
@@ -300,7 +323,9 @@ class _Descent:
             try:
                 part = self.part(result, elements, label, child)
                 divided = self.search(part, child, inner)
-            except (ShapeError, UsageError) as error:
+            except MosegError as error:
+                if not isinstance(error, (ShapeError, UsageError)):
+                    self.failure = error
                 self.left = later
                 self.whole.append(f"part '{inner}' is left whole: {error}")
                 continue
@@ -309,6 +334,8 @@ class _Descent:
 
     def part(self, result: Result, elements: IntArray, label: str, child: Hierarchy) -> Shape:
         """A part as a shape that its problem can be solved on, or an error that says why not."""
+        if self.failure is not None:
+            raise UsageError("the run failed before its turn")
         if self.listener.stopped:
             raise UsageError("the run was interrupted before its turn")
         if label in result.evaluation.empty:
@@ -386,7 +413,7 @@ def _prefixed(
 
 def _reason(reasons: Sequence[str]) -> str:
     """Why the whole run ended: what cut it short before what any level met."""
-    for short in ("interrupted", "seconds"):
+    for short in ("failed", "interrupted", "seconds"):
         if short in reasons:
             return short
     return next((reason for reason in reasons if reason != "converged"), "converged")

@@ -35,7 +35,7 @@ from moseg_core.segmentation import Segmentation
 Arity = Literal["unary", "nary", "global"]
 CostClass = Literal["cheap", "moderate", "expensive"]
 Requirement = Literal["volume", "adjacency", "surface"]
-Invariance = Literal["rigid", "scale", "reflection", "order", "tessellation"]
+Invariance = Literal["rigid", "scale", "reflection", "order", "tessellation", "labels"]
 
 COST_ORDER: dict[CostClass, int] = {"cheap": 0, "moderate": 1, "expensive": 2}
 
@@ -54,8 +54,10 @@ class Traits:
     requires : frozenset of {"volume", "adjacency", "surface"}
         What the shape must have; a problem is refused before the search where it lacks it. A
         "surface" is made of triangles, unlike a point cloud or the cells of a solid.
-    invariant_to : frozenset of {"rigid", "scale", "reflection", "order", "tessellation"}
-        What leaves the value unchanged.
+    invariant_to : frozenset of str
+        What leaves the value unchanged: "rigid" motions, uniform "scale", "reflection", the
+        "order" of the elements, their "tessellation" within a tolerance, and of several parts
+        the order in which they are given or numbered, "labels".
     cost : {"cheap", "moderate", "expensive"}
         From the sums (microseconds), from the vertices, or from the whole surface.
     least, most : int

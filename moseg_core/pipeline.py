@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from moseg_core.choice import Choice, Ready, prepare
 from moseg_core.coarse import coarse_pins
-from moseg_core.errors import UsageError, unknown
+from moseg_core.errors import MosegError, UsageError, unknown
 from moseg_core.evaluation import Evaluator
 from moseg_core.hierarchy import Hierarchy
 from moseg_core.method import Method, read_finalists, read_resolution, read_restarts, settled, tuned
@@ -113,7 +113,8 @@ def segment(
     ShapeError
         The shape lacks what an objective needs.
     PluginError
-        A component is broken, or broke its contract.
+        A component is broken, or broke its contract. Whatever is raised once the search is under
+        way has the best found by then as its attribute ``result``.
 
     Examples
     --------
@@ -183,24 +184,27 @@ def segment(
     )
     outcomes, best = carry_out(plan, processes, listener)
     reason = best.reason
-    if listener.stopped:
+    if listener.stopped and best.failure is None:
         reason = "interrupted"
     elif "seconds" in (reason, *(outcome.reason for outcome in outcomes)):
         reason = "seconds"
-    stopped = reason in ("interrupted", "seconds")
+    stopped = reason in ("interrupted", "seconds", "failed")
     labels = whole.labels(best.vector)
     segmentation = whole.segmentation(labels).view(shape.space)
-    evaluation = whole.evaluate_labels(labels)
+    try:
+        evaluation = whole.evaluate_labels(labels)
+    except MosegError as error:
+        raise best.failure or error from None  # once more what had ended the run
     warnings = [outcome.warning for outcome in outcomes[:1] if outcome.warning]
     warnings += find_warnings(evaluation, segmentation, problem.labels, reason)
     warnings += disagreement(outcomes) if restarts is not None else []
     history = dict(best.history)
-    if starts > 1 and (len(outcomes) > 1 or restarts is not None):
+    if starts > 1 and outcomes and (len(outcomes) > 1 or restarts is not None):
         history["restarts"] = tuple(
             {"value": o.cost.value, "empty": o.cost.empty, "finalist": int(o.reason != "paused")}
             for o in outcomes
         )
-    return Result(
+    result = Result(
         shape=shape,
         problem=problem,
         labels=labels,
@@ -224,6 +228,10 @@ def segment(
         dimension=(whole.constraints.n_free, whole.constraints.n_all),
         warnings=tuple(warnings),
     )
+    if best.failure is not None:
+        best.failure.result = result
+        raise best.failure
+    return result
 
 
 def _start_centers(start: Centers | Result | None, problem: Problem) -> Centers | None:

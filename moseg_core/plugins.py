@@ -6,6 +6,10 @@ the reason is kept, with the distribution that it came in, and everything else g
 somebody who asks for one of its components hears of it, and ``moseg plugin list``.
 
 The core's own components come through the same door, as the bundle ``core``.
+
+Two distributions that claim one namespace are both set aside; so is a bundle that was written for
+a contract that this core does not accept (:mod:`moseg_core.contract`). With ``MOSEG_STRICT=1``
+whatever is set aside is an error, for tests that must not pass without it.
 """
 
 from __future__ import annotations
@@ -15,7 +19,7 @@ import inspect
 import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from importlib import metadata
 from types import ModuleType
@@ -23,9 +27,10 @@ from typing import Any, Protocol, cast
 
 import pluggy
 
-from moseg_core import hookspecs
+from moseg_core import __version__, contract, hookspecs
 from moseg_core.errors import MosegError, PluginError, UsageError, nearest, unknown
-from moseg_core.hookspecs import ENTRY_POINT_GROUP, HOOKS
+from moseg_core.hookspecs import HOOKS
+from moseg_core.installed import Claim, installed_points, read_claims
 from moseg_core.specs import NAME, Kind, MeasureSpec, Spec
 
 
@@ -106,6 +111,10 @@ class Bundle:
     components : tuple of Component
     problem : str or None
         Why the bundle is set aside, and what to do; None where all is well.
+    contract : int
+        The one that it was written for (:mod:`moseg_core.contract`).
+    note : str
+        What is worth knowing of how it is installed, though it can be used; usually empty.
     """
 
     name: str
@@ -114,6 +123,8 @@ class Bundle:
     module: str
     components: tuple[Component, ...] = ()
     problem: str | None = None
+    contract: int = contract.UNSTATED
+    note: str = ""
 
 
 class Registry:
@@ -208,14 +219,30 @@ def registry() -> Registry:
     """The registry of this process: everything installed, as MOSEG_PLUGINS restricts it.
 
     The environment variable ``MOSEG_PLUGINS`` holds the names of the bundles to load, separated
-    by commas; the bundle ``core`` is always loaded.
+    by commas; the bundle ``core`` is always loaded. ``MOSEG_STRICT=1`` asks that each of them can
+    be used.
+
+    Raises
+    ------
+    UsageError
+        One of the two variables names no bundle, or is not understood.
+    PluginError
+        A bundle is set aside, and ``MOSEG_STRICT`` is 1.
     """
     wanted = os.environ.get("MOSEG_PLUGINS")
     names = None if wanted is None else {name.strip() for name in wanted.split(",")} | {"core"}
-    points = metadata.entry_points(group=ENTRY_POINT_GROUP)
+    points = installed_points()
     for name in sorted((names or set()) - {point.name for point in points} - {""}):
         raise UsageError(f"MOSEG_PLUGINS: {unknown('bundle', name, {p.name for p in points})}")
-    return discover(points, restrict_to=names)
+    found = discover(points, restrict_to=names)
+    strict = os.environ.get("MOSEG_STRICT", "")
+    if strict not in ("", "0", "1"):
+        raise UsageError(f"MOSEG_STRICT must be 1 or 0, not '{strict}'")
+    aside = [f"'{bundle.name}': {bundle.problem}" for bundle in found.bundles if bundle.problem]
+    if aside and strict == "1":
+        count = "a bundle is" if len(aside) == 1 else f"{len(aside)} bundles are"
+        raise PluginError(f"{count} set aside, and MOSEG_STRICT is 1: {' | '.join(aside)}")
+    return found
 
 
 class MeasureResolver(Protocol):
@@ -253,31 +280,34 @@ def discover(
     """
     manager = pluggy.PluginManager("moseg")
     manager.add_hookspecs(hookspecs)
-    points = sorted(entry_points, key=lambda point: (point.name != "core", point.name))
+    claims = read_claims(entry_points)
     bundles = []
-    for point in points:
-        if restrict_to is not None and point.name not in restrict_to:
+    for claim in claims:
+        if restrict_to is not None and claim.point.name not in restrict_to:
             continue
-        rivals = {_distribution(p)[0] for p in points if p.name == point.name}
-        if point.name == "core" and _distribution(point)[0] == "moseg-core":
-            rivals = {"moseg-core"}  # nobody can set the core aside
-        bundles.append(_load_bundle(manager, point, rivals))
+        rivals = {
+            rival.claimant: f"{rival.distribution} {rival.version}"
+            for rival in claims
+            if rival.point.name == claim.point.name
+        }
+        # Nobody can set the core aside.
+        alone = claim.point.name == "core" and claim.claimant == "moseg-core"
+        bundles.append(_load_bundle(manager, claim, () if alone else tuple(rivals.values())))
     return Registry(bundles)
 
 
-def _load_bundle(
-    manager: pluggy.PluginManager, point: metadata.EntryPoint, rivals: set[str]
-) -> Bundle:
-    distribution, version = _distribution(point)
+def _load_bundle(manager: pluggy.PluginManager, claim: Claim, claimants: Sequence[str]) -> Bundle:
+    """Load one bundle; `claimants` are all that claim its namespace."""
+    point, distribution, version = claim.point, claim.distribution, claim.version
+    bundle = Bundle(point.name, distribution, version, point.value, note=claim.note)
 
     def aside(reason: str, advice: str) -> Bundle:
-        problem = f"{distribution} {version}: {reason}; {advice}"
-        return Bundle(point.name, distribution, version, point.value, problem=problem)
+        return replace(bundle, problem=f"{distribution} {version}: {reason}; {advice}")
 
     report = f"report it to the authors of {distribution}, or uninstall it"
-    if len(rivals) > 1:
+    if len(claimants) > 1:
         return aside(
-            f"the namespace '{point.name}' is claimed by {' and '.join(sorted(rivals))}",
+            f"the namespace '{point.name}' is claimed by {' and '.join(sorted(claimants))}",
             "uninstall one of them",
         )
     if not NAME.match(point.name):
@@ -285,11 +315,14 @@ def _load_bundle(
     try:
         module = point.load()
     except (Exception, SystemExit) as error:  # noqa: BLE001  # a stranger's module may raise anything
-        return aside(
-            f"importing '{point.value}' failed with {describe(error)}",
-            f"update or reinstall {distribution}, or uninstall it",
-        )
+        advice = f"update or reinstall {distribution}, or uninstall it"
+        if isinstance(error, ImportError) and (error.name or "").startswith("moseg_core"):
+            advice += f"; it may need another moseg-core than {__version__}"
+        return aside(f"importing '{point.value}' failed with {describe(error)}", advice)
     try:
+        bundle = replace(bundle, contract=contract.stated(module))
+        if refused := contract.refusal(bundle.contract, distribution, __version__):
+            return aside(*refused)
         if misspelled := _unknown_hooks(module):
             return aside(misspelled, report)
         manager.register(module, name=point.name)
@@ -317,7 +350,7 @@ def _load_bundle(
                 components.append(component)
     if not components:
         return aside("it offers no components", "see the authors' guide on hooks")
-    return Bundle(point.name, distribution, version, point.value, tuple(components))
+    return replace(bundle, components=tuple(components))
 
 
 def _unknown_hooks(module: ModuleType) -> str:
@@ -339,12 +372,6 @@ def _marked(module: ModuleType) -> Iterator[tuple[str, dict[str, Any]]]:
         marks = getattr(value, "moseg_impl", None) if inspect.isroutine(value) else None
         if isinstance(marks, dict):
             yield name, marks
-
-
-def _distribution(point: metadata.EntryPoint) -> tuple[str, str]:
-    if point.dist is None:
-        return "an unnamed distribution", "of unknown version"
-    return point.dist.name, point.dist.version
 
 
 def describe(error: BaseException) -> str:

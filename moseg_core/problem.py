@@ -221,9 +221,9 @@ class Problem:
         for term in self.terms:
             seen = shape.in_space(term.space)
             for requirement in sorted(term.objective.traits.requires):
-                lack = _lack(seen, requirement)
-                if lack is not None:
-                    raise ShapeError(f"'{term.term.name}' needs {lack}")
+                missing = lack(seen, requirement)
+                if missing is not None:
+                    raise ShapeError(f"'{term.term.name}' needs {missing}")
 
     def evaluate(
         self, shape: Shape, labels: npt.ArrayLike, *, memo: Memo | None = None
@@ -264,7 +264,7 @@ class Problem:
         return evaluate_segmentation(self.terms, self.labels, segmentation)
 
 
-def _lack(shape: Shape, requirement: Requirement) -> str | None:
+def lack(shape: Shape, requirement: Requirement) -> str | None:
     """What a shape lacks and what to do about it, in words; None where it lacks nothing."""
     if requirement == "volume" and shape.volume is None:
         repair = "repair the mesh, " if shape.has_surface else ""

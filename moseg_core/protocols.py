@@ -11,6 +11,22 @@ of a search, and who calls whom::
 Seeders, labelers, optimizers and parameterizations are constructed with their parameters as
 keyword arguments, which :mod:`moseg_core.parameters` reads from their signature. Optimizers can
 be pickled between ``tell`` and ``ask``; that is how a run is checkpointed.
+
+A class may say more of itself, in attributes that no protocol asks for:
+
+``example``
+    For a component with a parameter that must be given: a static method that returns a dict of
+    parameters to try it with. It is called with what the component is about to meet: ``(shape,
+    n_parts)`` for a parameterization, ``(evaluator,)`` for seeders and labelers, ``(start,)`` for
+    optimizers, ``(shape, labels)`` for constraints, ``(shape,)`` for embeddings.
+``connected``
+    Of a parameterization, once made: true where each of its parts is in one piece, on a shape in
+    one piece whose adjacency is known.
+``optimal``
+    Of a labeler: ``"unary"`` where no assignment has a lower sum of unary terms, ``"all"`` where
+    none has a lower cost.
+
+The contract kit (:mod:`moseg_core.testing`) uses the first and holds components to the others.
 """
 
 from __future__ import annotations
@@ -172,7 +188,11 @@ class Seeder(Protocol):
     def __call__(
         self, evaluator: Evaluator, *, rng: np.random.Generator, report: Report
     ) -> Seeding:
-        """Place one centre per label of the evaluator's problem."""
+        """Place one centre per label of the evaluator's problem.
+
+        Of several centres no two are in one place; all are on the shape or near it. Returns soon
+        after `report` has answered True.
+        """
         ...
 
 
@@ -181,7 +201,10 @@ class Labeler(Protocol):
     """An assignment of labels to centres (Sec. 6)."""
 
     def __call__(self, evaluator: Evaluator, vector: FloatArray) -> IntArray:
-        """(n,) int: entry ``j`` is the centre that label ``j`` goes to; a permutation."""
+        """(n,) int: entry ``j`` is the centre that label ``j`` goes to; a permutation.
+
+        Decided by what the parts are like, whatever their numbers.
+        """
         ...
 
 
@@ -211,7 +234,8 @@ class Optimizer(Protocol):
     """A search over vectors, by ask and tell (Sec. 7).
 
     Constructed with ``(start, lower, upper, scale)``, then ``rng=`` and parameters. The first
-    batch must contain `start`.
+    batch must contain `start`. One that takes a parameter ``max_evaluations`` asks for exactly so
+    many candidates, unless ``finished`` is "converged" before.
     """
 
     @property
@@ -221,7 +245,7 @@ class Optimizer(Protocol):
 
     @property
     def best(self) -> tuple[FloatArray, Cost]:
-        """The best vector told so far, and its cost."""
+        """The best vector told so far, and its cost; NaN is as bad as can be."""
         ...
 
     @property
@@ -239,7 +263,7 @@ class Optimizer(Protocol):
         ...
 
     def tell(self, costs: Sequence[Cost]) -> None:
-        """The costs of the batch last asked for, in its order."""
+        """The costs of the batch last asked for, in its order; an error where there is none."""
         ...
 
 

@@ -55,7 +55,7 @@ class Result:
     versions : mapping of str to str
         For the id of every component used the distribution that it came from.
     reason : str
-        Why the search ended: "converged", or the limit that it met.
+        Why the search ended: "converged", the limit that it met, "interrupted" or "failed".
     warnings : tuple of str
     clipped : Clipped or None
         The surface with its boundaries cut below mesh resolution
@@ -129,6 +129,8 @@ def find_warnings(
     found = []
     if reason == "interrupted":
         found.append("the run was interrupted; this is the best that it had found")
+    elif reason == "failed":
+        found.append("the run failed; this is the best that it had found")
     elif reason != "converged":
         found.append(f"the search ended on its limit ({reason}); a longer one may find better")
     found += [

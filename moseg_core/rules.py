@@ -109,8 +109,14 @@ class FunctionConstraint:
     def __init__(self, function: Callable[[FloatArray], Any], start: FloatArray) -> None:
         self.function, self.start = function, start
         self.__name__ = getattr(function, "__name__", "constraint")
+        self.__qualname__ = getattr(function, "__qualname__", self.__name__)
+        self.__module__ = function.__module__
         self.__doc__ = function.__doc__
         self.parameters: tuple[Parameter, ...] = ()
+
+    def __reduce__(self) -> str:
+        # The decorated name in its module is this object, so it pickles by reference.
+        return self.__qualname__
 
     def __call__(self, shape: Shape, labels: Sequence[int]) -> Constraint:
         """The constraint on certain labels; the same for every shape."""

@@ -19,7 +19,7 @@ import numpy as np
 from moseg_core.choice import Ready
 from moseg_core.constraints import Constraints
 from moseg_core.cost import WORST, Cost
-from moseg_core.errors import PluginError, UsageError
+from moseg_core.errors import MosegError, PluginError, UsageError
 from moseg_core.evaluation import Evaluator
 from moseg_core.protocols import (
     Batch,
@@ -48,11 +48,13 @@ class Outcome:
     vector : (m,) float
     cost : Cost
     reason : str
-        "converged", "paused", or the limit that ended the search.
+        "converged", "paused", "failed", or the limit that ended the search.
     history : mapping of str to tuple of dict
         Records of the stages "seeding" and "search".
     warning : str
         From the seeder; empty where all is well.
+    failure : MosegError or None
+        What ended the search, where that was an error.
     """
 
     vector: FloatArray
@@ -60,6 +62,7 @@ class Outcome:
     reason: str
     history: Mapping[str, tuple[dict[str, float], ...]]
     warning: str = ""
+    failure: MosegError | None = None
 
 
 @dataclass(eq=False, kw_only=True)

@@ -23,10 +23,11 @@ import numpy as np
 
 from moseg_core.choice import Choice, Ready, prepare
 from moseg_core.coarse import coarsen
-from moseg_core.errors import UsageError
+from moseg_core.errors import MosegError, UsageError
 from moseg_core.evaluation import Evaluator
 from moseg_core.pins import Pins
 from moseg_core.protocols import Centers, Progress, Report
+from moseg_core.rescue import Crew
 from moseg_core.search import Outcome, Run, begin, go_on, set_up
 from moseg_core.shape import Shape
 from moseg_core.specs import Kind
@@ -184,22 +185,36 @@ def carry_out(plan: Plan, workers: int, listener: Listener) -> tuple[list[Outcom
     -------
     outcomes : list of Outcome
         Of every start, on the shape that was searched; "paused" where it was not a finalist.
+        None where the run failed.
     best : Outcome
-        On input elements.
+        On input elements. It carries the error, where one ended the run.
+
+    Raises
+    ------
+    MosegError
+        Before anything was found.
     """
     tasks: dict[str, Task] = {
         "attempt": plan.attempt,
         "further": plan.further,
         "polish": plan.polish,
     }
-    with Workers(tasks, workers, listener) as pool:
-        outcomes = all_starts(plan, pool)
-        if plan.rough is plan.whole:
-            return outcomes, min(outcomes, key=lambda outcome: outcome.cost)
-        return outcomes, finish(plan, outcomes, pool)
+    crew = Crew(plan.rough, plan.whole)
+    with Workers(crew.tasks(tasks), workers, listener) as pool:
+        crew.join(pool)
+        try:
+            outcomes = all_starts(plan, crew)
+            if plan.rough is plan.whole:
+                return outcomes, min(outcomes, key=lambda outcome: outcome.cost)
+            return outcomes, finish(plan, outcomes, crew)
+        except MosegError as error:
+            best = crew.rescued(error)
+            if best is None:
+                raise
+            return [], best
 
 
-def all_starts(plan: Plan, pool: Workers) -> list[Outcome]:
+def all_starts(plan: Plan, pool: Crew) -> list[Outcome]:
     """Run the search from every start, until asked to stop.
 
     A run that draws no random numbers is the same each time; it is repeated only on request.
@@ -237,7 +252,7 @@ def _distinct(evaluator: Evaluator, outcomes: Sequence[Outcome]) -> list[int]:
     return list(found.values())
 
 
-def finish(plan: Plan, outcomes: Sequence[Outcome], pool: Workers) -> Outcome:
+def finish(plan: Plan, outcomes: Sequence[Outcome], pool: Crew) -> Outcome:
     """The best of what was found on the coarse shape, by its cost on the whole one.
 
     The finalists, and all others where each of those loses a part between the levels, are

@@ -41,6 +41,7 @@ class Evolution:
     Parameters
     ----------
     population : int
+        Individuals of a generation.
     iterations : int
         Generations, the first one included.
     crossover : float

@@ -21,6 +21,8 @@ _MOST_LABELS = 8
 class Exhaustive:
     """The best of all n! assignments under the whole cost; at most 8 labels."""
 
+    optimal = "all"
+
     def __call__(self, evaluator: Evaluator, vector: FloatArray) -> IntArray:
         """(n,) int: entry ``j`` is the centre that label ``j`` goes to.
 

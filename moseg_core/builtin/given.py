@@ -31,6 +31,17 @@ class Given:
     def __init__(self, *, centers: str) -> None:
         self.centers = centers
 
+    @staticmethod
+    def example(evaluator: Evaluator) -> dict[str, str]:
+        """Centres on elements, all over the shape: parameters to try the component with."""
+        points, labels = evaluator.shape.points, evaluator.problem.labels
+        chosen = np.linspace(0, len(points) - 1, len(labels)).astype(np.int64)
+        places = [
+            f"{label}={','.join(repr(float(x)) for x in points[k])}"
+            for label, k in zip(labels, chosen, strict=True)
+        ]
+        return {"centers": ",".join(places)}
+
     def __call__(
         self, evaluator: Evaluator, *, rng: np.random.Generator, report: Report
     ) -> Seeding:

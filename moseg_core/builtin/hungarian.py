@@ -15,6 +15,8 @@ from moseg_core.types import FloatArray, IntArray
 class Hungarian:
     """The optimal assignment on unary objectives."""
 
+    optimal = "unary"
+
     def __call__(self, evaluator: Evaluator, vector: FloatArray) -> IntArray:
         """(n,) int: entry ``j`` is the centre that label ``j`` goes to."""
         return evaluator.unary_costs(vector).assign()

@@ -132,7 +132,8 @@ class PatternSearch:
         else:
             best = min(range(len(costs)), key=lambda k: (_rank(costs[k]), k))
             if _rank(costs[best]) < self._cost:
-                self._current, self._cost = asked[best].copy(), costs[best]
+                # NaN must not be kept: no cost compares as less than it.
+                self._current, self._cost = asked[best].copy(), _rank(costs[best])
                 self._step *= self._expansion
             else:
                 self._step *= self._contraction

@@ -11,6 +11,7 @@ from typing import Annotated, Literal
 from cyclopts import App, CycloptsError, Parameter
 
 from moseg_core import __version__
+from moseg_core.cli.plugin_app import plugin_app
 from moseg_core.errors import MosegError
 from moseg_core.plugins import registry
 
@@ -21,7 +22,6 @@ app = App(
     help_epilogue="Bundles bring further commands: see 'moseg plugin list'.",
     help_on_error=False,
 )
-plugin_app = App(name="plugin", help="Installed bundles of objectives, seeders, formats and more.")
 app.command(plugin_app)
 benchmark_app = App(name="benchmark", help="How well results agree with people.")
 app.command(benchmark_app)
@@ -418,20 +418,6 @@ def psb(
         out=out,
         quiet=quiet,
     )
-
-
-@plugin_app.command(name="list")
-def list_plugins(*, json: Flag = False) -> None:
-    """List installed bundles, what they bring, and what is wrong with them.
-
-    Parameters
-    ----------
-    json
-        Print JSON instead of a table.
-    """
-    from moseg_core.cli.plugin import run_list
-
-    run_list(as_json=json)
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

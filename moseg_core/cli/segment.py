@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -17,14 +18,18 @@ from moseg_core.cli.interrupt import stop_on_interrupt
 from moseg_core.cli.reading import read_shape
 from moseg_core.cli.request import Asked, read_pins, read_start, read_task
 from moseg_core.clipping import check_clippable, check_parameterization, clip
-from moseg_core.errors import UsageError
+from moseg_core.errors import MosegError, UsageError
 from moseg_core.io.files import check_output, save
 from moseg_core.io.writers import check_writable, evaluation_document
 from moseg_core.method import read_resolution
 from moseg_core.nested import check_hierarchy, segment_hierarchy
 from moseg_core.pipeline import check_frozen, check_limits, matched_centers, prepare_method
 from moseg_core.result import Result
+from moseg_core.waiting import naming_slow_calls
 from moseg_core.workers import available_workers, read_workers
+
+#: Seconds after which an objective that has not answered is named.
+PATIENCE = 10.0
 
 
 def run_segment(
@@ -51,7 +56,10 @@ def run_segment(
     as_json: bool,
     quiet: bool,
 ) -> None:
-    """Check everything that can be checked, then read, search, write and print."""
+    """Check everything that can be checked, then read, search, write and print.
+
+    Where the search fails, and files were asked for, these receive the best that it had found.
+    """
     earlier = read_start(start)
     task = read_task(asked, start=earlier)
     problem = task.problem
@@ -95,23 +103,33 @@ def run_segment(
         )
     for note in shape.notes:
         message(f"{path.name}: {note}", quiet=quiet)
-    with progress_reporter(quiet=quiet) as show, stop_on_interrupt(wanted=bool(outputs)) as stop:
-        result = segment_hierarchy(
-            shape,
-            task,
-            **chosen,
-            start=begin,
-            freeze=frozen,
-            pins=pinned,
-            restarts=restarts,
-            finalists=finalists,
-            resolution=resolution,
-            settings=settings,
-            seed=seed,
-            max_seconds=max_seconds,
-            workers=processes,
-            report=lambda progress: show(progress) or stop(),
-        )
+    failure: MosegError | None = None
+    with (
+        progress_reporter(quiet=quiet) as show,
+        stop_on_interrupt(wanted=bool(outputs)) as stop,
+        naming_slow_calls(partial(_tell_waiting, quiet=quiet), after=PATIENCE),
+    ):
+        try:
+            result = segment_hierarchy(
+                shape,
+                task,
+                **chosen,
+                start=begin,
+                freeze=frozen,
+                pins=pinned,
+                restarts=restarts,
+                finalists=finalists,
+                resolution=resolution,
+                settings=settings,
+                seed=seed,
+                max_seconds=max_seconds,
+                workers=processes,
+                report=lambda progress: show(progress) or stop(),
+            )
+        except MosegError as error:
+            if error.result is None or not outputs:
+                raise
+            result, failure = error.result, error
     for warning in result.warnings:
         message(f"warning: {warning}", quiet=quiet)
     if clipped:
@@ -128,8 +146,14 @@ def run_segment(
         print_json(_summary(result))
     elif not quiet:
         _print_tables(result)
+    if failure is not None:
+        raise failure
     if result.reason == "interrupted":
         raise KeyboardInterrupt
+
+
+def _tell_waiting(what: str, seconds: float, *, quiet: bool) -> None:
+    message(f"waiting for {what}, {seconds:.0f} s so far", quiet=quiet)
 
 
 def _read_choices(choices: Mapping[str, str | None], centers: str | None) -> dict[str, Any]:

@@ -63,7 +63,7 @@ def hull_volume(part: Part) -> float:
 @objective(
     range=(0, math.inf),
     requires=("volume",),
-    invariant_to=("rigid", "scale", "reflection", "order", "tessellation"),
+    invariant_to=("rigid", "scale", "reflection", "order", "tessellation", "labels"),
     cost="moderate",
 )
 def convex_parts(segmentation: Segmentation) -> float:

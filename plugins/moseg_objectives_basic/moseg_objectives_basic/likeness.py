@@ -14,7 +14,10 @@ import numpy as np
 from moseg_core import Part, objective
 
 
-@objective(range=(0, 0.25), invariant_to=("rigid", "scale", "reflection", "order", "tessellation"))
+@objective(
+    range=(0, 0.25),
+    invariant_to=("rigid", "scale", "reflection", "order", "tessellation", "labels"),
+)
 def similar(parts: Sequence[Part]) -> float:
     """Small where parts have the same proportions whatever their size: ``mean ||u_i - mean u||^2``.
 

@@ -14,7 +14,9 @@ import numpy as np
 from moseg_core import Part, objective
 
 
-@objective(range=(0, 1), invariant_to=("rigid", "scale", "reflection", "order", "tessellation"))
+@objective(
+    range=(0, 1), invariant_to=("rigid", "scale", "reflection", "order", "tessellation", "labels")
+)
 def parallel(first: Part, second: Part) -> float:
     """Small where the long axes of two parts are parallel: ``|axis_1 x axis_1'|``.
 
@@ -49,7 +51,9 @@ def parallel(first: Part, second: Part) -> float:
     return min(1.0, float(np.linalg.norm(np.cross(first.axes[0], second.axes[0]))))
 
 
-@objective(range=(0, 1), invariant_to=("rigid", "scale", "reflection", "order", "tessellation"))
+@objective(
+    range=(0, 1), invariant_to=("rigid", "scale", "reflection", "order", "tessellation", "labels")
+)
 def coaxial(first: Part, second: Part) -> float:
     """Small where the long axes of two parts lie on one line: ``1 - (1 - sine) (1 - offset)``.
 

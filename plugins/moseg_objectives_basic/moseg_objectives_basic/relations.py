@@ -10,7 +10,9 @@ import numpy as np
 from moseg_core import Part, objective
 
 
-@objective(range=(0, 1), invariant_to=("rigid", "scale", "reflection", "order", "tessellation"))
+@objective(
+    range=(0, 1), invariant_to=("rigid", "scale", "reflection", "order", "tessellation", "labels")
+)
 def perpendicular(first: Part, second: Part) -> float:
     """Small where the long axes of two parts are at a right angle: ``|axis_1 . axis_1'|``.
 
@@ -44,7 +46,7 @@ def perpendicular(first: Part, second: Part) -> float:
 
 @objective(
     range=(0, math.inf),
-    invariant_to=("rigid", "scale", "reflection", "order", "tessellation"),
+    invariant_to=("rigid", "scale", "reflection", "order", "tessellation", "labels"),
 )
 def similar_proportions(parts: Sequence[Part]) -> float:
     """Small where parts are alike in length, width and height: ``sum ||s_i - mean s||^2 / d^2``.

@@ -1,0 +1,146 @@
+"""``moseg plugin check``: the contract kit on an installed bundle, what failed first.
+
+Nothing of the bundle is imported here; it runs in a process of its own
+(:mod:`moseg_core.testing.watch`).
+"""
+
+from __future__ import annotations
+
+import sys
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any, get_args
+
+from rich.console import Console
+from rich.padding import Padding
+from rich.table import Table
+from rich.text import Text
+
+from moseg_core.cli.console import console, print_json
+from moseg_core.errors import PluginError
+from moseg_core.testing import CHECKS
+from moseg_core.testing.run import Outcome, Status, load_checks
+from moseg_core.testing.watch import Announce, Report, watch_checks
+
+
+def run_check(bundle: str, *, as_json: bool, timeout: float) -> None:
+    """Print what became of each check.
+
+    Raises
+    ------
+    PluginError
+        Some failed.
+    """
+    with _status() as announce:
+        report = watch_checks(bundle, timeout=timeout, report=announce)
+    load_checks()
+    if as_json:
+        print_json(_document(report))
+    else:
+        _print(report, console(sys.stdout))
+    failed = sum(found.status == "failed" for found in report.outcomes)
+    if failed:
+        raise PluginError(
+            f"bundle '{bundle}' of {report.distribution} does not keep the contract:"
+            f" {_counted(failed, 'check')} failed"
+        )
+
+
+@contextmanager
+def _status() -> Iterator[Announce]:
+    """Show which check is being made, on a terminal only."""
+    if not sys.stderr.isatty():
+        yield lambda done, count, which: None
+        return
+    with console(sys.stderr).status("starting") as shown:
+        yield lambda done, count, which: shown.update(f"{done} of {count} done; {which}")
+
+
+def _print(report: Report, out: Console) -> None:
+    """Failures one by one, then everything else in short."""
+    by_status = {
+        status: [found for found in report.outcomes if found.status == status]
+        for status in get_args(Status)
+    }
+    for status, headline in (("failed", "failed"), ("warned", "newer than the bundle, and failed")):
+        if by_status[status]:
+            out.print(headline, style="bold red" if status == "failed" else "bold yellow")
+        for found in by_status[status]:
+            out.print(_failure(found))
+            out.print()
+    for status, headline in (
+        ("expected", "failed, as expected"),
+        ("skipped", "skipped"),
+    ):
+        if by_status[status]:
+            out.print(headline, style="bold")
+            out.print(_reasons(by_status[status]))
+            out.print()
+    if by_status["passed"]:
+        out.print("passed", style="bold green")
+        out.print(_by_component(by_status["passed"]))
+        out.print()
+    told = ", ".join(f"{len(found)} {status}" for status, found in by_status.items() if found)
+    components = len({found.component for found in report.outcomes})
+    out.print(
+        f"{report.bundle} ({report.distribution}): {_counted(len(report.outcomes), 'check')} on"
+        f" {_counted(components, 'component')}: {told or 'none apply'}",
+        style="bold",
+        markup=False,
+    )
+
+
+def _failure(found: Outcome) -> Padding:
+    """A failure with all that helps to mend it."""
+    table = Table(box=None, pad_edge=False, show_header=False)
+    table.add_column(no_wrap=True)
+    table.add_column(overflow="fold")
+    table.add_row(Text("check"), Text(f"{found.check} on {found.component}", "bold"))
+    table.add_row(Text("what"), Text(found.message))
+    table.add_row(Text("why"), Text(CHECKS[found.check].why))
+    if found.fix:
+        table.add_row(Text("fix"), Text(found.fix))
+    return Padding(table, (0, 0, 0, 2))
+
+
+def _reasons(outcomes: Sequence[Outcome]) -> Padding:
+    """A line for each reason, with the checks that it is given for."""
+    reasons: dict[tuple[str, str], list[str]] = {}
+    for found in outcomes:
+        reasons.setdefault((found.component, found.message), []).append(found.check)
+    table = Table(box=None, pad_edge=False, show_header=False)
+    for (component, message), checks in reasons.items():
+        table.add_row(Text(component), Text(", ".join(checks)), Text(message))
+    return Padding(table, (0, 0, 0, 2))
+
+
+def _by_component(outcomes: Sequence[Outcome]) -> Padding:
+    table = Table(box=None, pad_edge=False, show_header=False)
+    for component, count in Counter(found.component for found in outcomes).items():
+        table.add_row(Text(component), Text(_counted(count, "check")))
+    return Padding(table, (0, 0, 0, 2))
+
+
+def _counted(count: int, noun: str) -> str:
+    return f"{count} {noun}{'' if count == 1 else 's'}"
+
+
+def _document(report: Report) -> dict[str, Any]:
+    return {
+        "bundle": report.bundle,
+        "distribution": report.distribution,
+        "passed": report.passed,
+        "counts": Counter(found.status for found in report.outcomes),
+        "outcomes": [
+            {
+                "component": found.component,
+                "check": found.check,
+                "status": found.status,
+                "message": found.message,
+                "why": CHECKS[found.check].why,
+                "fix": found.fix,
+            }
+            for found in report.outcomes
+        ],
+    }

@@ -1,0 +1,164 @@
+"""``moseg plugin explain``: what a component does, in its own words."""
+
+from __future__ import annotations
+
+import math
+import sys
+import textwrap
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from moseg_core.cli.console import console, print_json
+from moseg_core.errors import PluginError, UsageError, unknown
+from moseg_core.explained import Explained, bounds, default, explain_component, plain, span
+from moseg_core.plugins import Component, registry
+
+#: Sections of a docstring that are shown, under these titles.
+_SHOWN = {"Returns": "value", "Raises": "raises", "Notes": "notes", "References": "references"}
+
+
+def run_explain_plugin(name: str, *, as_json: bool) -> None:
+    """Print what is known of the components of a name."""
+    found = [explain_component(component) for component in _named(name)]
+    if as_json:
+        print_json([_document(explained) for explained in found])
+        return
+    out = console(sys.stdout)
+    for explained in found:
+        _print(explained, out)
+
+
+def _named(name: str) -> list[Component]:
+    """The components of an id, one of each kind that has it; or of a name in one bundle.
+
+    Raises
+    ------
+    UsageError
+        None, with the nearest; or several bundles have the name, with their ids.
+    PluginError
+        The bundle that an id names is set aside.
+    """
+    known = registry()
+    components = known.components()
+    found = [c for c in components if name in (c.id, c.spec.name)]
+    if len({c.bundle for c in found}) > 1:
+        ids = ", ".join(sorted({c.id for c in found}))
+        raise UsageError(f"component '{name}' is ambiguous; say which: {ids}")
+    if found:
+        return found
+    namespace = name.partition(":")[0]
+    for bundle in known.bundles:
+        if bundle.problem and bundle.name == namespace:
+            raise PluginError(f"bundle '{bundle.name}' is set aside: {bundle.problem}")
+    names = [c.id if ":" in name else c.spec.name for c in components]
+    raise UsageError(f"{unknown('component', name, names)} (see 'moseg plugin list')")
+
+
+def _print(explained: Explained, out: Console) -> None:
+    component = explained.component
+    head = Text(component.id, "bold").append(f"  {component.kind}", "not bold")
+    out.print(head)
+    _paragraph(explained.headline, out)
+    _paragraph(explained.body, out)
+    for section, title in _SHOWN.items():
+        _paragraph(explained.sections.get(section, ""), out, title=title)
+    if explained.parameters:
+        out.print("parameters", style="bold")
+        out.print(_parameter_table(explained))
+        out.print()
+    facts = Table(box=None, pad_edge=False, show_header=False)
+    facts.add_column(style="bold", no_wrap=True)
+    facts.add_column(overflow="fold")
+    for key, value in _facts(explained).items():
+        facts.add_row(key, Text(value))
+    out.print(facts)
+    out.print()
+    if explained.about and "Notes" not in explained.sections:
+        _paragraph(explained.about, out, title="about")
+
+
+def _paragraph(text: str, out: Console, *, title: str = "") -> None:
+    if text:
+        if title:
+            out.print(title, style="bold")
+        out.print(Text(textwrap.indent(plain(text), "  ")))
+        out.print()
+
+
+def _parameter_table(explained: Explained) -> Table:
+    table = Table(box=None, pad_edge=False, show_header=False)
+    for parameter in explained.parameters:
+        table.add_row(
+            Text(f"  {parameter.name} = {default(parameter)}"),
+            Text(bounds(parameter)),
+            Text(plain(explained.said.get(parameter.name, ""))),
+        )
+    return table
+
+
+def _facts(explained: Explained) -> dict[str, str]:
+    """What can be looked up, by what it is called."""
+    component, traits = explained.component, explained.traits
+    facts: dict[str, str] = {}
+    if traits is not None:
+        facts = {
+            "takes": traits.takes,
+            "range": span(traits),
+            "needs": ", ".join(sorted(traits.requires)) or "nothing but the parts",
+            "unchanged by": ", ".join(sorted(traits.invariant_to)) or "nothing is declared",
+            "cost": traits.cost,
+        }
+    suffixes = getattr(component.spec, "suffixes", ())
+    if suffixes:
+        facts["files"] = " ".join(suffixes)
+    if component.kind == "recipe":
+        facts["its text"] = f"moseg recipes {component.id}"
+    if component.kind == "command":
+        facts["its options"] = f"moseg {component.spec.name} --help"
+    return facts | {"from": component.distribution, "target": component.spec.target}
+
+
+def _document(explained: Explained) -> dict[str, Any]:
+    component, traits = explained.component, explained.traits
+    return {
+        "id": component.id,
+        "kind": component.kind,
+        "summary": component.spec.summary,
+        "distribution": component.distribution,
+        "target": component.spec.target,
+        "headline": explained.headline,
+        "body": explained.body,
+        "sections": dict(explained.sections),
+        "about": explained.about,
+        "parameters": [
+            {
+                "name": parameter.name,
+                "type": parameter.type.__name__,
+                "required": parameter.required,
+                "optional": parameter.optional,
+                "default": parameter.default,
+                "low": _finite(parameter.interval.low),
+                "high": _finite(parameter.interval.high),
+                "says": explained.said.get(parameter.name, ""),
+            }
+            for parameter in explained.parameters
+        ],
+        "traits": None
+        if traits is None
+        else {
+            "arity": traits.arity,
+            "takes": traits.takes,
+            "range": [_finite(end) for end in traits.range],
+            "requires": sorted(traits.requires),
+            "invariant_to": sorted(traits.invariant_to),
+            "cost": traits.cost,
+        },
+    }
+
+
+def _finite(number: float) -> float | None:
+    """The number, or None where it is infinite, which JSON cannot say."""
+    return number if math.isfinite(number) else None

@@ -1,0 +1,33 @@
+"""``moseg plugin new``: a bundle to begin with. Imports no bundle, only asks what is installed."""
+
+from __future__ import annotations
+
+import importlib.util
+from pathlib import Path
+
+from moseg_core.installed import installed_points, read_claims
+from moseg_core.scaffold import check_name, words, write_bundle
+
+
+def run_new(name: str, *, kind: str, out: Path | None) -> None:
+    """Write the package and say what to do next."""
+    check_name(name)
+    chosen = words(name, kind)
+    folder = Path(chosen["MY_DISTRIBUTION"]) if out is None else out
+    written = write_bundle(folder, name, kind, taken=_taken(name, chosen["MY_PACKAGE"]))
+    shown = [path.relative_to(folder).as_posix() for path in written]
+    print(f"{folder}: the bundle '{name}' with the {kind} '{chosen['MY_COMPONENT']}'")
+    print("\n".join(f"  {path}" for path in shown))
+    print(
+        f'\nNext:\n  cd {folder}\n  pip install -e ".[test]"\n  pytest\n  moseg plugin check {name}'
+    )
+
+
+def _taken(name: str, package: str) -> dict[str, str]:
+    """Namespaces that are in use, with who has them; the asked one also for its package."""
+    taken = {}
+    if importlib.util.find_spec(package) is not None:
+        taken[name] = f"an installed package '{package}'"
+    for claim in read_claims(installed_points()):
+        taken[claim.point.name] = f"{claim.distribution} {claim.version}, which is installed"
+    return taken

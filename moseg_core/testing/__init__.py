@@ -1,0 +1,30 @@
+"""The contract kit: whether components keep what their kinds promise.
+
+For the authors of bundles, in one line of their tests (``pytest`` is theirs, not ours)::
+
+    from moseg_core.testing import parametrize_contract
+
+    @parametrize_contract("mybundle")
+    def test_contract(check):
+        check()
+
+and the same without it: ``moseg plugin check mybundle``. Both go through the installed entry
+point, so that the packaging is tested too. What is checked, and why, is in
+:data:`moseg_core.testing.check.CHECKS`; a table of it in ``docs/authors/checks.md``.
+"""
+
+from moseg_core.testing.check import CHECKS, Check, ContractFailure, Subject, check
+from moseg_core.testing.run import Case, Outcome, cases_of, parametrize_contract, run_cases
+
+__all__ = [
+    "CHECKS",
+    "Case",
+    "Check",
+    "ContractFailure",
+    "Outcome",
+    "Subject",
+    "cases_of",
+    "check",
+    "parametrize_contract",
+    "run_cases",
+]

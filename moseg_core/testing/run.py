@@ -1,0 +1,252 @@
+"""Running checks: on all components of a bundle, one outcome for each check and component.
+
+A case is a check on a component. Expected failures are strict: one that passes, and one of an
+unknown id, is a failure itself, so that lists of them do not rot.
+"""
+
+from __future__ import annotations
+
+import importlib
+import warnings
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from moseg_core.errors import PluginError, UsageError, unknown
+from moseg_core.plugins import Registry, describe, registry
+from moseg_core.testing.check import CHECKS, Check, ContractFailure, Skip, Subject
+
+Status = Literal["passed", "failed", "skipped", "expected", "warned"]
+
+#: The modules whose checks are run, in this order.
+_MODULES = (
+    "general",
+    "declarations",
+    "repeats",
+    "objectives",
+    "invariances",
+    "parameterizations",
+    "seeders",
+    "labelers",
+    "optimizers",
+    "constraints",
+    "embeddings",
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Outcome:
+    """What became of a case.
+
+    Parameters
+    ----------
+    component : str
+        Id of the component.
+    check : str
+        Id of the check.
+    status : str
+        "passed", "failed", "skipped" where it does not apply, "expected" for a failure that was
+        announced, "warned" for one of a check that is newer than the bundle.
+    message : str
+        Why, where it did not pass.
+    fix : str
+        How to mend it; empty where the check could not say.
+    """
+
+    component: str
+    check: str
+    status: Status
+    message: str = ""
+    fix: str = ""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Case:
+    """A check on a component; call it to have it raise where it fails.
+
+    Parameters
+    ----------
+    check : Check
+    subject : Subject
+    expected : str
+        Why it is expected to fail; empty where it is not.
+    contract : int
+        The one that the bundle was written for.
+    """
+
+    check: Check
+    subject: Subject
+    expected: str = ""
+    contract: int = 1
+
+    @property
+    def id(self) -> str:
+        """``bundle:name check-id``."""
+        return f"{self.subject.component.id} {self.check.id}"
+
+    def outcome(self) -> Outcome:
+        """Run the check."""
+        said: dict[str, Any] = {"component": self.subject.component.id, "check": self.check.id}
+        if shut := _shut_gate(self.check, self.subject):
+            reason = f"it fails '{shut}', without which this cannot be said"
+            return Outcome(**said, status="skipped", message=reason)
+        try:
+            failure, fix = _failure(self.check, self.subject)
+        except Skip as reason:
+            return Outcome(**said, status="skipped", message=str(reason))
+        if failure and self.expected:
+            return Outcome(**said, status="expected", message=f"{self.expected}: {failure}")
+        if failure and self.check.since > self.contract:
+            return Outcome(**said, status="warned", message=failure, fix=fix)
+        if self.expected and not failure:
+            failure = f"was expected to fail ({self.expected}) and passes; take it off the list"
+        return Outcome(**said, status="failed" if failure else "passed", message=failure, fix=fix)
+
+    def __call__(self) -> None:
+        """Run the check, for use in a test.
+
+        Raises
+        ------
+        ContractFailure
+            It fails.
+        """
+        outcome = self.outcome()
+        if outcome.status == "failed":
+            fix = f"\nhow to fix it: {outcome.fix}" if outcome.fix else ""
+            raise AssertionError(
+                f"{self.id}: {outcome.message}{fix}\nwhy it matters: {self.check.why}"
+            )
+        if outcome.status in ("skipped", "expected"):
+            import unittest
+
+            raise unittest.SkipTest(outcome.message)
+        if outcome.status == "warned":
+            warnings.warn(f"{self.id}: {outcome.message}", FutureWarning, stacklevel=2)
+
+
+def load_checks() -> None:
+    """Import the modules that register checks, so that :data:`CHECKS` has all of them."""
+    for name in _MODULES:
+        importlib.import_module(f"moseg_core.testing.{name}")
+
+
+def _failure(check: Check, subject: Subject) -> tuple[str, str]:
+    """What a check complains about, and how to mend it; empty where it passes.
+
+    Raises
+    ------
+    Skip
+        It does not apply.
+    """
+    with warnings.catch_warnings():
+        # Warnings are the business of one check; to the others they must not be errors.
+        warnings.simplefilter("ignore")
+        try:
+            check.run(subject)
+        except Skip:
+            raise
+        except ContractFailure as error:
+            return f"{error.did}: got {error.got}, expected {error.expected}", error.fix
+        except Exception as error:  # noqa: BLE001  # a stranger's component may raise anything
+            return f"it raised {describe(error)}", ""
+    return "", ""
+
+
+def _shut_gate(check: Check, subject: Subject) -> str:
+    """Id of the first gate before a check that the component does not pass; empty for none."""
+
+    def failure(gate: Check) -> str:
+        try:
+            return _failure(gate, subject)[0]
+        except Skip:
+            return ""
+
+    for gate in CHECKS.values():
+        if gate is check:
+            break
+        applies = gate.gate and subject.component.kind in gate.kinds
+        if applies and subject.keep(f"gate {gate.id}", lambda gate=gate: failure(gate)):  # type: ignore[misc]
+            return gate.id
+    return ""
+
+
+def cases_of(
+    bundle: str,
+    *,
+    expected_failures: Mapping[str, str] | None = None,
+    source: Registry | None = None,
+) -> list[Case]:
+    """All checks on all components of an installed bundle.
+
+    Parameters
+    ----------
+    bundle : str
+        Its namespace, the entry point's name.
+    expected_failures : mapping of str to str, optional
+        For the id of a check, or ``name check-id`` for one component, why it fails.
+    source : Registry, optional
+        Where to look; everything installed by default.
+
+    Raises
+    ------
+    UsageError
+        No such bundle, or no such check.
+    PluginError
+        The bundle is set aside.
+    """
+    load_checks()
+    found = registry() if source is None else source
+    chosen = [b for b in found.bundles if b.name == bundle]
+    if not chosen:
+        raise UsageError(unknown("bundle", bundle, [b.name for b in found.bundles]))
+    if chosen[0].problem:
+        raise PluginError(f"bundle '{bundle}' is set aside: {chosen[0].problem}")
+    expected = dict(expected_failures or {})
+    cases: list[Case] = []
+    used: set[str] = set()
+    for component in chosen[0].components:
+        subject = Subject(component=component, registry=found)
+        for check in CHECKS.values():
+            if component.kind not in check.kinds:
+                continue
+            keys = [f"{component.spec.name} {check.id}", check.id]
+            key = next((key for key in keys if key in expected), None)
+            used.update([] if key is None else [key])
+            reason = "" if key is None else expected[key]
+            cases.append(
+                Case(check=check, subject=subject, expected=reason, contract=chosen[0].contract)
+            )
+    for key in set(expected) - used:
+        raise UsageError(
+            f"expected_failures: {unknown('check', key.split()[-1], CHECKS)} (or it does not apply"
+            f" to what '{bundle}' brings)"
+        )
+    return cases
+
+
+def run_cases(cases: Sequence[Case]) -> list[Outcome]:
+    """The outcomes of cases, one after the other."""
+    return [case.outcome() for case in cases]
+
+
+def parametrize_contract(
+    bundle: str, *, expected_failures: Mapping[str, str] | None = None
+) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """A decorator for a test function with the argument ``check``, run once for each case.
+
+    Parameters
+    ----------
+    bundle : str
+        The namespace of an installed bundle.
+    expected_failures : mapping of str to str, optional
+        See :func:`cases_of`.
+
+    Raises
+    ------
+    UsageError, PluginError
+        See :func:`cases_of`.
+    """
+    import pytest
+
+    cases = cases_of(bundle, expected_failures=expected_failures)
+    return pytest.mark.parametrize("check", cases, ids=[case.id for case in cases])
