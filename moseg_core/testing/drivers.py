@@ -65,7 +65,7 @@ DRIVEN: tuple[Kind, ...] = (
 LABELS = ("a", "b", "c")
 """Labels of the problem that seeders and labelers are given."""
 
-SHAPES = ("tetrahedron", "disc", "sphere", "cloud", "voxels", "lump")
+SHAPES = ("tetrahedron", "disc", "cloud", "voxels", "lump")
 """The specimens on which objectives and measures are driven."""
 
 
