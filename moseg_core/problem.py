@@ -122,12 +122,12 @@ class Problem:
         self._embedded: dict[Shape, Shape] = {}
 
     def __getstate__(self) -> dict[str, Any]:
-        # Embedded shapes are computed anew where they are needed: weak references stay behind.
+        # Embedded shapes are large, and computed anew where they are needed.
         return {key: value for key, value in self.__dict__.items() if key != "_embedded"}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
-        self._embedded = WeakKeyDictionary()
+        self._embedded = {}
 
     def __repr__(self) -> str:
         return f"Problem({list(self.labels)!r}, {str(self.expression)!r})"
