@@ -4,6 +4,6 @@ Data goes to stdout; messages, warnings and progress to stderr. What a command n
 when it runs, so that ``moseg --help`` starts at once.
 """
 
-from moseg_core.cli.app import main
+from moseg_core.cli.entry import main
 
 __all__ = ["main"]

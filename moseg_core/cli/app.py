@@ -1,19 +1,14 @@
-"""The commands and their options, and how errors become messages and exit codes."""
+"""The commands and their options; :mod:`moseg_core.cli.entry` runs them."""
 
 from __future__ import annotations
 
-import os
-import sys
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Literal
 
-from cyclopts import App, CycloptsError, Parameter
+from cyclopts import App, Parameter
 
 from moseg_core import __version__
 from moseg_core.cli.plugin_app import plugin_app
-from moseg_core.errors import MosegError
-from moseg_core.plugins import registry
 
 app = App(
     name="moseg",
@@ -418,62 +413,3 @@ def psb(
         out=out,
         quiet=quiet,
     )
-
-
-def main(arguments: Sequence[str] | None = None) -> None:
-    """Run the command line and exit.
-
-    Parameters
-    ----------
-    arguments : sequence of str, optional
-        Instead of ``sys.argv[1:]``.
-
-    Raises
-    ------
-    SystemExit
-        With 0, or the exit code of what went wrong (:mod:`moseg_core.errors`); 130 when
-        interrupted.
-    """
-    sys.exit(_run(list(sys.argv[1:] if arguments is None else arguments)))
-
-
-def _add_foreign_commands(asked: str) -> None:
-    """Add the commands that bundles bring, where the one asked for is none of the core's.
-
-    Only the one asked for is imported.
-    """
-    if asked.startswith("-") or asked in app:
-        return
-    for component in registry().components("command"):
-        name = component.spec.name
-        if name in app:
-            continue  # the core's own, or one that was added before
-        target = component.load() if name == asked else component.spec.target
-        app.command(target, name=name, help=None if name == asked else component.spec.summary)
-
-
-def _run(arguments: list[str]) -> int:
-    try:
-        _add_foreign_commands(arguments[0] if arguments else "--help")
-        command, bound, _ = app.parse_args(arguments, exit_on_error=False, print_error=False)
-        command(*bound.args, **bound.kwargs)
-        sys.stdout.flush()
-    except CycloptsError as error:
-        words = " ".join(str(error).split())
-        print(f"moseg: {words} (see 'moseg --help')", file=sys.stderr)
-        return 2
-    except MosegError as error:
-        print(f"moseg: {error}", file=sys.stderr)
-        return error.exit_code
-    except KeyboardInterrupt:
-        print("moseg: interrupted", file=sys.stderr)
-        return 130
-    except BrokenPipeError:
-        # The reader, such as `head`, has what it wanted; Python would complain once more at exit.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 0
-    except OSError as error:
-        print(f"moseg: cannot write the output: {error.strerror or error}", file=sys.stderr)
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 1
-    return 0

@@ -15,7 +15,7 @@ from moseg_core.bench.cases import Case, cluster, run_case
 from moseg_core.bench.names import Naming
 from moseg_core.bench.page import draw_case
 from moseg_core.bench.psb import find_models
-from moseg_core.cli.app import main
+from moseg_core.cli import main
 from moseg_core.cli.benchmark import read_recipes, read_seeds
 from moseg_core.errors import UsageError
 from moseg_core.io import load, read_labels
