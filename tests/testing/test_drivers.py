@@ -9,20 +9,22 @@ from moseg_core.specs import MeasureSpec
 from moseg_core.testing.check import Skip, Subject
 from moseg_core.testing.child import ChildError, drive_elsewhere
 from moseg_core.testing.drivers import (
-    DRIVEN,
     LABELS,
     TOYS,
-    Foreign,
-    Raised,
-    Trial,
     calls_on,
-    difference,
     drive,
     evaluator_on,
     labellings,
+    segmented,
+)
+from moseg_core.testing.trials import (
+    DRIVEN,
+    Foreign,
+    Raised,
+    Trial,
+    difference,
     required_values,
     same,
-    segmented,
 )
 from moseg_core.testing.zoo import specimen
 
