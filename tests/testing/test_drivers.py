@@ -164,6 +164,6 @@ def test_another_process_has_other_hashes():
 
 def test_a_child_that_dies_is_named_and_started_anew():
     with pytest.raises(ChildError, match="ended"):
-        drive_elsewhere(measure("tests.testing.mortal:end"), hash_seed=1)
+        drive_elsewhere(measure("tests.testing.odd:end"), hash_seed=1)
     with pytest.raises(ChildError, match="not_there"):
         drive_elsewhere(measure("tests.testing.broken.heavy:not_there"), hash_seed=1)
