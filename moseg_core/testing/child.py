@@ -19,7 +19,7 @@ import queue
 import subprocess
 import sys
 import threading
-from collections.abc import Mapping
+from contextlib import suppress
 from typing import Any, BinaryIO
 
 from moseg_core.plugins import Component, Registry, describe
@@ -59,9 +59,9 @@ def drive_elsewhere(subject: Subject, *, hash_seed: int) -> dict[str, Any]:
     """
     request = pickle.dumps((subject.component, subject.registry))
     with _LOCK:
-        child = _CHILDREN.get(hash_seed)
-        if child is None or child.poll() is not None:
-            child = _CHILDREN[hash_seed] = _start(hash_seed)
+        if hash_seed not in _CHILDREN:
+            _CHILDREN[hash_seed] = _start(hash_seed)
+        child = _CHILDREN[hash_seed]
         assert child.stdin is not None
         assert child.stdout is not None  # pipes, as asked for
         try:
@@ -69,8 +69,9 @@ def drive_elsewhere(subject: Subject, *, hash_seed: int) -> dict[str, Any]:
             answer = _receive(child.stdout)
         except OSError:
             answer = b""
-    if not answer:
-        raise ChildError("the process ended")
+        if not answer:
+            _end(_CHILDREN.pop(hash_seed))
+            raise ChildError("the process ended")
     found, failure = pickle.loads(answer)
     if failure:
         raise ChildError(failure)
@@ -79,23 +80,28 @@ def drive_elsewhere(subject: Subject, *, hash_seed: int) -> dict[str, Any]:
 
 
 def _start(hash_seed: int) -> subprocess.Popen[bytes]:
-    child = subprocess.Popen(
+    return subprocess.Popen(
         [sys.executable, "-c", _START, json.dumps([path or os.getcwd() for path in sys.path])],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         stderr=subprocess.DEVNULL,
         env={**os.environ, "PYTHONHASHSEED": str(hash_seed)},
     )
-    atexit.register(_end, child)
-    return child
+
+
+@atexit.register
+def _end_all() -> None:
+    while _CHILDREN:
+        _end(_CHILDREN.popitem()[1])
 
 
 def _end(child: subprocess.Popen[bytes]) -> None:
-    for pipe in (child.stdin, child.stdout):
-        if pipe is not None:
-            pipe.close()
     child.kill()
     child.wait()
+    for pipe in (child.stdin, child.stdout):
+        if pipe is not None:
+            with suppress(OSError):  # what was not sent any more
+                pipe.close()
 
 
 def _send(pipe: BinaryIO | Any, message: bytes) -> None:
@@ -135,23 +141,6 @@ def _answer(component: Component, registry: Registry) -> bytes:
 
     try:
         found = drive(Subject(component=component, registry=registry))
-        return pickle.dumps((_plain(found), ""))
+        return pickle.dumps((found, ""))
     except (Exception, SystemExit) as error:  # noqa: BLE001  # a stranger's component
         return pickle.dumps(({}, describe(error)))
-
-
-def _plain(value: Any) -> Any:
-    """The value, with what need not be known to the parent replaced by its type's name."""
-    import numpy as np
-
-    from moseg_core.testing.drivers import Foreign, Raised
-
-    if isinstance(value, Mapping):
-        return {str(key): _plain(item) for key, item in value.items()}
-    if isinstance(value, (tuple, list)):
-        return tuple(_plain(item) for item in value)
-    if value is None or isinstance(value, (bool, int, float, str, bytes, Raised)):
-        return value
-    if isinstance(value, (np.ndarray, np.generic)) and value.dtype != object:
-        return np.asarray(value)
-    return Foreign(type(value).__name__)

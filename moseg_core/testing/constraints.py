@@ -9,23 +9,23 @@ its middle, of as few labels as they take.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from typing import Any
 
 import numpy as np
 
 from moseg_core.protocols import Constraint
+from moseg_core.shape import Shape
 from moseg_core.testing.check import ContractFailure, Subject, check
 from moseg_core.testing.parameterizations import within
 from moseg_core.testing.stages import (
     as_numbers,
-    declared,
     even_pebble,
-    parameters_of,
     refused,
     unlike,
 )
+from moseg_core.testing.trials import declared, values_for
 from moseg_core.types import FloatArray
 
 _LABELS = 6
@@ -42,12 +42,12 @@ def _made(subject: Subject) -> list[tuple[str, Constraint]]:
     planar = any(parameter.name == "plane" for parameter in declared(subject))
     for count in range(1, _LABELS):
         labels = tuple(range(count, 0, -1))
-        given = parameters_of(subject, shape, labels)
+        given = values_for(subject, shape, labels)
         tried = [given]
         if planar and "plane" not in given:
             tried = [{**given, "plane": "x"}, *([] if found else [given])]
         for values in tried:
-            made, no = refused(partial(subject.load(), shape, labels, **values))
+            made, no = refused(partial(_usable, subject.load(), shape, labels, values))
             if made is not None:
                 found.append((_called(labels, values), made))
             reason = reason or no
@@ -61,6 +61,15 @@ def _made(subject: Subject) -> list[tuple[str, Constraint]]:
             fix="write example(shape, labels), which returns parameters that make sense there",
         )
     return found
+
+
+def _usable(
+    factory: Callable[..., Any], shape: Shape, labels: tuple[int, ...], values: Mapping[str, Any]
+) -> Constraint:
+    """The constraint; one made from a function refuses a number of labels when it is used."""
+    made: Constraint = factory(shape, labels, **values)
+    made.reduce(next(_centers()))
+    return made
 
 
 def _called(labels: tuple[int, ...], values: Mapping[str, Any]) -> str:
@@ -97,7 +106,7 @@ def _rows(array: FloatArray, labels: tuple[int, ...]) -> FloatArray:
 @check(
     "constraint-dimensions",
     kinds=["constraint"],
-    why="The search has as many coordinates as a constraint says; all that it returns must fit.",
+    why="the search has as many coordinates as a constraint says; all that it returns must fit",
 )
 def _dimensions(subject: Subject) -> None:
     for what, made in _made(subject):
@@ -136,7 +145,7 @@ def _dimensions(subject: Subject) -> None:
 @check(
     "constraint-in-bounds",
     kinds=["constraint"],
-    why="The search begins at the reduced numbers and moves within the bounds; both must do.",
+    why="the search begins at the reduced numbers and moves within the bounds; both must do",
 )
 def _in_bounds(subject: Subject) -> None:
     for what, made in _made(subject):
@@ -152,19 +161,20 @@ def _in_bounds(subject: Subject) -> None:
                 )
         for free in _numbers(made):
             rows = _rows(_expanded(made, free, next(_centers())), tuple(made.determines))
-            if not np.isfinite(rows).all() or (rows[:, 3] <= 0).any():
+            # A weight of 0 or less costs as much as can be; no number at all cannot be ranked.
+            if not np.isfinite(rows).all():
                 raise ContractFailure(
                     did=f"{free.tolist()}, within the bounds, was expanded for {what}",
                     got=f"the rows {rows.tolist()}",
-                    expected="finite positions and positive, finite weights",
-                    fix="bound what becomes a weight from below, at numpy.finfo(float).tiny",
+                    expected="finite positions and weights",
+                    fix="bound the numbers where the formula has no value",
                 )
 
 
 @check(
     "constraint-reduce-expand",
     kinds=["constraint"],
-    why="A search that goes on from its own result must begin where it ended.",
+    why="a search that goes on from its own result must begin where it ended",
 )
 def _reduce_expand(subject: Subject) -> None:
     for what, made in _made(subject):
@@ -183,7 +193,7 @@ def _reduce_expand(subject: Subject) -> None:
 @check(
     "constraint-feasible",
     kinds=["constraint"],
-    why="The centres that reduce() returns are read by other constraints; they must be feasible.",
+    why="the centres that reduce() returns are read by other constraints; they must be feasible",
 )
 def _feasible(subject: Subject) -> None:
     for what, made in _made(subject):
@@ -204,7 +214,7 @@ def _feasible(subject: Subject) -> None:
 @check(
     "constraint-unchanged",
     kinds=["constraint"],
-    why="Centres that obey already need no correction; moving them spoils a good start.",
+    why="centres that obey already need no correction; moving them spoils a good start",
 )
 def _unchanged(subject: Subject) -> None:
     for what, made in _made(subject):
@@ -224,7 +234,7 @@ def _unchanged(subject: Subject) -> None:
 @check(
     "constraint-touches-only-its-own",
     kinds=["constraint"],
-    why="Constraints are put together by what they determine and read; nothing else may change.",
+    why="constraints are put together by what they determine and read; nothing else may change",
 )
 def _touches(subject: Subject) -> None:
     for what, made in _made(subject):

@@ -16,7 +16,8 @@ from scipy.spatial.distance import pdist
 
 from moseg_core.shape import Shape
 from moseg_core.testing.check import ContractFailure, Skip, Subject, check
-from moseg_core.testing.stages import parameters_of, pebble, refused, turn, unlike
+from moseg_core.testing.stages import pebble, refused, turn, unlike
+from moseg_core.testing.trials import values_for
 from moseg_core.types import FloatArray
 
 #: Of the greatest distance. Iterations that stop a little sooner or later must be allowed for.
@@ -24,7 +25,7 @@ _SAME = 1e-3
 
 
 def _made(subject: Subject, shape: Shape) -> Callable[[Shape], Shape]:
-    made: Callable[[Shape], Shape] = subject.load()(**parameters_of(subject, shape))
+    made: Callable[[Shape], Shape] = subject.load()(**values_for(subject, shape))
     return made
 
 
@@ -55,7 +56,7 @@ def _moved(shape: Shape, matrix: FloatArray, name: str) -> Shape:
 @check(
     "embedding-elements",
     kinds=["embedding"],
-    why="Labels of the embedded shape are taken for those of the original, element by element.",
+    why="labels of the embedded shape are taken for those of the original, element by element",
 )
 def _elements(subject: Subject) -> None:
     for shape in _shapes():
@@ -86,7 +87,7 @@ def _elements(subject: Subject) -> None:
 @check(
     "embedding-finite",
     kinds=["embedding"],
-    why="A point at no finite place is nearest to no centre.",
+    why="a point at no finite place is nearest to no centre",
 )
 def _finite(subject: Subject) -> None:
     for shape in _shapes():
@@ -107,7 +108,7 @@ def _finite(subject: Subject) -> None:
 @check(
     "embedding-deterministic",
     kinds=["embedding"],
-    why="The embedding is computed anew in each process and run; results must not hang on that.",
+    why="the embedding is computed anew in each process and run; results must not hang on that",
 )
 def _deterministic(subject: Subject) -> None:
     for shape in _shapes():
@@ -127,7 +128,7 @@ def _deterministic(subject: Subject) -> None:
 @check(
     "embedding-isometry",
     kinds=["embedding"],
-    why="A shape that was turned in its file must be cut as before.",
+    why="a shape that was turned in its file must be cut as before",
 )
 def _isometry(subject: Subject) -> None:
     mirror = np.diag([1.0, -1.0, 1.0])

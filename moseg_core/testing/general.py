@@ -31,14 +31,8 @@ from moseg_core.protocols import (
 from moseg_core.recipe import load_recipe
 from moseg_core.specs import Kind
 from moseg_core.testing.check import ContractFailure, Skip, Subject, check
-from moseg_core.testing.drivers import (
-    DRIVEN,
-    TOYS,
-    Trial,
-    constraint_on,
-    declared,
-    optimizer_on,
-)
+from moseg_core.testing.drivers import TOYS, constraint_on, evaluator_on, optimizer_on
+from moseg_core.testing.trials import DRIVEN, Trial, declared, has_example
 from moseg_core.testing.zoo import specimen
 
 ALL: tuple[Kind, ...] = get_args(Kind)
@@ -202,6 +196,15 @@ def _binds(target: Any, positional: tuple[str, ...], keywords: tuple[str, ...], 
 )
 def default_construction(subject: Subject) -> None:
     """It can be made without parameters."""
+    texts = [p.name for p in declared(subject) if p.required and p.type is str]
+    if texts and not has_example(subject):
+        raise ContractFailure(
+            did="its parameters were looked at",
+            got=f"a text that must be given, '{texts[0]}', and nobody can guess what it should say",
+            expected="a default, or an example",
+            fix="give it a default, or write a static method example() that returns a dict of"
+            " parameters to try it with (moseg_core.protocols)",
+        )
     try:
         _made(subject)
     except Skip:
@@ -250,7 +253,10 @@ def _made(subject: Subject) -> Any:
         return optimizer_on(trial, TOYS[0])
     if kind == "constraint":
         return constraint_on(trial, specimen("twin"))[0]
-    return trial.make()
+    shape = specimen("lump")
+    if kind in ("seeder", "labeler"):
+        return trial.make(meets=(evaluator_on(subject, shape),))
+    return trial.make(meets=(shape,))
 
 
 # -- The bundle -------------------------------------------------------------------------------

@@ -14,21 +14,22 @@ import numpy as np
 
 from moseg_core.evaluation import Evaluator
 from moseg_core.testing.check import ContractFailure, Skip, Subject, check
-from moseg_core.testing.stages import evaluator, parameters_of, vectors
+from moseg_core.testing.stages import evaluator, vectors
+from moseg_core.testing.trials import values_for
 from moseg_core.types import FloatArray, IntArray
 
 _ROUNDING = 1e-9
 
 
 def _order(subject: Subject, stage: Evaluator, vector: FloatArray) -> IntArray:
-    labeler = subject.load()(**parameters_of(subject, stage))
+    labeler = subject.load()(**values_for(subject, stage))
     return np.asarray(labeler(stage, vector))
 
 
 @check(
     "labeler-permutation",
     kinds=["labeler"],
-    why="Each label goes to one centre and each centre to one label, or a part is lost.",
+    why="each label goes to one centre and each centre to one label, or a part is lost",
 )
 def _permutation(subject: Subject) -> None:
     for n in (1, 2, 4):
@@ -48,7 +49,7 @@ def _permutation(subject: Subject) -> None:
 @check(
     "labeler-optimal",
     kinds=["labeler"],
-    why="Where it says that its labels are the best, nobody looks for better ones.",
+    why="where it says that its labels are the best, nobody looks for better ones",
 )
 def _optimal(subject: Subject) -> None:
     claim = getattr(subject.load(), "optimal", None)
@@ -91,7 +92,7 @@ def _whole(stage: Evaluator, vector: FloatArray) -> Callable[[tuple[int, ...]], 
 @check(
     "labeler-equivariant",
     kinds=["labeler"],
-    why="The order in which a seeder lists its centres means nothing, and must change nothing.",
+    why="the order in which a seeder lists its centres means nothing, and must change nothing",
 )
 def _equivariant(subject: Subject) -> None:
     stage = evaluator(4)

@@ -18,7 +18,8 @@ import numpy as np
 from moseg_core.cost import Cost
 from moseg_core.protocols import Batch, Optimizer
 from moseg_core.testing.check import ContractFailure, Skip, Subject, check
-from moseg_core.testing.stages import as_numbers, clean, declared, parameters_of, unlike
+from moseg_core.testing.stages import as_numbers, clean, unlike
+from moseg_core.testing.trials import declared, values_for
 from moseg_core.types import FloatArray
 
 Toy = Callable[[FloatArray], Cost]
@@ -95,7 +96,7 @@ def _made(
     low = np.full(len(start), -_REACH) if lower is None else lower
     high = np.full(len(start), _REACH) if upper is None else upper
     scale = np.ones(len(start))
-    given = parameters_of(subject, start)
+    given = values_for(subject, start)
     if limit is not None:
         given[_LIMIT] = limit
     rng = np.random.default_rng(seed)
@@ -104,7 +105,7 @@ def _made(
 
 
 def _limits(subject: Subject) -> bool:
-    return any(p.name == _LIMIT for p in declared(subject, reserved=("rng",)))
+    return any(p.name == _LIMIT for p in declared(subject))
 
 
 def _asked(search: Optimizer, size: int) -> Batch:
@@ -150,7 +151,7 @@ def _trip(search: Optimizer, toy: Toy) -> _Trip:
 @check(
     "optimizer-start",
     kinds=["optimizer"],
-    why="The first candidate is the start, so that a result is never worse than what was there.",
+    why="the first candidate is the start, so that a result is never worse than what was there",
 )
 def _start(subject: Subject) -> None:
     batch = _made(subject).ask()
@@ -168,7 +169,7 @@ def _start(subject: Subject) -> None:
 @check(
     "optimizer-ask",
     kinds=["optimizer"],
-    why="A batch of nothing, or of numbers that are none, ends the run.",
+    why="a batch of nothing, or of numbers that are none, ends the run",
 )
 def _ask(subject: Subject) -> None:
     for toy in (_bowl, _stairs, lambda x: Cost(0, 1.0)):
@@ -181,7 +182,7 @@ def _ask(subject: Subject) -> None:
 @check(
     "optimizer-tell",
     kinds=["optimizer"],
-    why="Costs that belong to no batch would be taken for those of another, in silence.",
+    why="costs that belong to no batch would be taken for those of another, in silence",
 )
 def _tell(subject: Subject) -> None:
     def told_in_vain(search: Optimizer, when: str) -> None:
@@ -205,7 +206,7 @@ def _tell(subject: Subject) -> None:
 @check(
     "optimizer-in-bounds",
     kinds=["optimizer"],
-    why="A weight of 0 or less is no weight; what is outside the bounds cannot be evaluated.",
+    why="a weight of 0 or less is no weight; what is outside the bounds cannot be evaluated",
 )
 def _in_bounds(subject: Subject) -> None:
     tiny = np.finfo(np.float64).tiny
@@ -229,7 +230,7 @@ def _in_bounds(subject: Subject) -> None:
 @check(
     "optimizer-budget",
     kinds=["optimizer"],
-    why="Users compare methods at equal numbers of evaluations, and pay for each of them.",
+    why="users compare methods at equal numbers of evaluations, and pay for each of them",
 )
 def _budget(subject: Subject) -> None:
     if not _limits(subject):
@@ -252,7 +253,7 @@ def _budget(subject: Subject) -> None:
 @check(
     "optimizer-best",
     kinds=["optimizer"],
-    why="What it has found once must not be lost; the result is its best.",
+    why="what it has found once must not be lost; the result is its best",
 )
 def _best(subject: Subject) -> None:
     for toy in (_bowl, _valley, _stairs, _partly_empty):
@@ -276,7 +277,7 @@ def _best(subject: Subject) -> None:
 @check(
     "optimizer-survives-nan",
     kinds=["optimizer"],
-    why="One objective that returns NaN must not cost the user the result of an hour.",
+    why="one objective that returns NaN must not cost the user the result of an hour",
 )
 def _survives(subject: Subject) -> None:
     for toy, what in ((_treacherous, "some costs"), (_hopeless, "all costs")):
@@ -299,7 +300,7 @@ def _survives(subject: Subject) -> None:
 @check(
     "optimizer-resume",
     kinds=["optimizer"],
-    why="A run that was stopped goes on from its checkpoint, and must end where it would have.",
+    why="a run that was stopped goes on from its checkpoint, and must end where it would have",
 )
 def _resume(subject: Subject) -> None:
     whole = _trip(_made(subject), _valley)
@@ -332,7 +333,7 @@ def _resume(subject: Subject) -> None:
 @check(
     "optimizer-promises",
     kinds=["optimizer"],
-    why="Costs that it says it does not need are not computed; it must not look at them.",
+    why="costs that it says it does not need are not computed; it must not look at them",
 )
 def _promises(subject: Subject) -> None:
     whole = _trip(_made(subject), _valley)
@@ -370,7 +371,7 @@ def _as_little(batch: Batch, costs: Sequence[Cost]) -> list[Cost]:
 @check(
     "optimizer-beats-random",
     kinds=["optimizer"],
-    why="A search that is no better than throwing dice is not worth its name.",
+    why="a search that is no better than throwing dice is not worth its name",
 )
 def _beats_random(subject: Subject) -> None:
     limit = 400 if _limits(subject) else None
@@ -395,7 +396,7 @@ def _beats_random(subject: Subject) -> None:
 @check(
     "optimizer-records",
     kinds=["optimizer"],
-    why="Progress bars and curves are drawn from what it says of itself.",
+    why="progress bars and curves are drawn from what it says of itself",
 )
 def _records(subject: Subject) -> None:
     search = _made(subject)

@@ -17,7 +17,8 @@ from scipy.sparse import csgraph
 from moseg_core.protocols import Centers, Parameterization
 from moseg_core.shape import Shape
 from moseg_core.testing.check import ContractFailure, Skip, Subject, check
-from moseg_core.testing.stages import as_numbers, dots, horseshoe, parameters_of, pebble, unlike
+from moseg_core.testing.stages import as_numbers, dots, horseshoe, pebble, unlike
+from moseg_core.testing.trials import values_for
 from moseg_core.types import FloatArray, Int32Array
 
 _FAR = 1e3
@@ -25,7 +26,7 @@ _CLOSE = 1e-9
 
 
 def _made(subject: Subject, shape: Shape, n: int) -> Parameterization:
-    given = parameters_of(subject, shape, n)
+    given = values_for(subject, shape, n)
     made: Parameterization = subject.load()(shape, n, **given)
     return made
 
@@ -65,7 +66,7 @@ def _labels(partition: Parameterization, vectors: FloatArray) -> Int32Array:
 @check(
     "parameterization-bounds",
     kinds=["parameterization"],
-    why="The search steps along coordinates within the bounds; without them it cannot begin.",
+    why="the search steps along coordinates within the bounds; without them it cannot begin",
 )
 def _bounds(subject: Subject) -> None:
     for what, _, partition in _stages(subject):
@@ -93,7 +94,7 @@ def _bounds(subject: Subject) -> None:
 @check(
     "parameterization-labels",
     kinds=["parameterization"],
-    why="The search may step anywhere within the bounds, and needs a whole segmentation there.",
+    why="the search may step anywhere within the bounds, and needs a whole segmentation there",
 )
 def _one_label_each(subject: Subject) -> None:
     for what, shape, partition in _stages(subject):
@@ -126,7 +127,7 @@ def _one_label_each(subject: Subject) -> None:
 @check(
     "parameterization-batch",
     kinds=["parameterization"],
-    why="Candidates come in batches of any size; a result must not depend on its company.",
+    why="candidates come in batches of any size; a result must not depend on its company",
 )
 def _batch(subject: Subject) -> None:
     for what, shape, partition in _stages(subject):
@@ -145,7 +146,7 @@ def _batch(subject: Subject) -> None:
 @check(
     "parameterization-encode-decode",
     kinds=["parameterization"],
-    why="Seeders place centres and users see them; both go through encode() and decode().",
+    why="seeders place centres and users see them; both go through encode() and decode()",
 )
 def _encode_decode(subject: Subject) -> None:
     for what, shape, partition in _stages(subject):
@@ -183,7 +184,7 @@ def _encode_decode(subject: Subject) -> None:
 @check(
     "parameterization-element-order",
     kinds=["parameterization"],
-    why="Files list the same faces in any order; the parts must not depend on it.",
+    why="files list the same faces in any order; the parts must not depend on it",
 )
 def _element_order(subject: Subject) -> None:
     order = np.random.default_rng(11).permutation(pebble().n_elements)
@@ -212,7 +213,7 @@ def _element_order(subject: Subject) -> None:
 @check(
     "parameterization-connected",
     kinds=["parameterization"],
-    why="Where it says that parts are connected, objectives and users rely on it.",
+    why="where it says that parts are connected, objectives and users rely on it",
 )
 def _connected(subject: Subject) -> None:
     shape, n = horseshoe(), 4
@@ -242,7 +243,7 @@ def _connected(subject: Subject) -> None:
 @check(
     "parameterization-permute",
     kinds=["parameterization"],
-    why="Labelers say which centre gets which label; permute() is how they are obeyed.",
+    why="labelers say which centre gets which label; permute() is how they are obeyed",
 )
 def _permute(subject: Subject) -> None:
     for what, shape, partition in _stages(subject):
@@ -264,7 +265,7 @@ def _permute(subject: Subject) -> None:
 @check(
     "parameterization-coordinates",
     kinds=["parameterization"],
-    why="A part is frozen, or follows others, by its coordinates; those of others must be free.",
+    why="a part is frozen, or follows others, by its coordinates; those of others must be free",
 )
 def _coordinates(subject: Subject) -> None:
     for what, shape, partition in _stages(subject):
@@ -290,7 +291,7 @@ def _coordinates(subject: Subject) -> None:
 @check(
     "parameterization-distances",
     kinds=["parameterization"],
-    why="Boundaries are moved off the elements by distances; they must agree with the labels.",
+    why="boundaries are moved off the elements by distances; they must agree with the labels",
 )
 def _distances(subject: Subject) -> None:
     shape, n = dots(), 3

@@ -15,7 +15,8 @@ import numpy as np
 from moseg_core.evaluation import Evaluator
 from moseg_core.protocols import Progress, Report, Seeding
 from moseg_core.testing.check import ContractFailure, Subject, check
-from moseg_core.testing.stages import as_numbers, evaluator, parameters_of, pebble, silent, unlike
+from moseg_core.testing.stages import as_numbers, evaluator, pebble, silent, unlike
+from moseg_core.testing.trials import values_for
 from moseg_core.types import FloatArray
 
 #: How far outside of the box a centre may be, in diagonals of the box.
@@ -26,7 +27,7 @@ _APART = 1e-9
 def _seeded(
     subject: Subject, stage: Evaluator, *, seed: int = 0, report: Report = silent
 ) -> Seeding:
-    seeder = subject.load()(**parameters_of(subject, stage))
+    seeder = subject.load()(**values_for(subject, stage))
     found: Seeding = seeder(stage, rng=np.random.default_rng(seed), report=report)
     return found
 
@@ -47,7 +48,7 @@ def _centers(subject: Subject) -> Iterator[tuple[str, Evaluator, FloatArray]]:
 @check(
     "seeder-count",
     kinds=["seeder"],
-    why="Every label needs a centre to begin with, be there one label or one for each element.",
+    why="every label needs a centre to begin with, be there one label or one for each element",
 )
 def _count(subject: Subject) -> None:
     for what, stage in _stages():
@@ -73,7 +74,7 @@ def _count(subject: Subject) -> None:
 @check(
     "seeder-distinct",
     kinds=["seeder"],
-    why="Two centres in one place leave a part empty, which no objective can say anything of.",
+    why="two centres in one place leave a part empty, which no objective can say anything of",
 )
 def _distinct(subject: Subject) -> None:
     for what, stage, centers in _centers(subject):
@@ -93,7 +94,7 @@ def _distinct(subject: Subject) -> None:
 @check(
     "seeder-near-shape",
     kinds=["seeder"],
-    why="A centre far from the shape gets no part, or all of it, and the search begins lost.",
+    why="a centre far from the shape gets no part, or all of it, and the search begins lost",
 )
 def _near(subject: Subject) -> None:
     for what, stage, centers in _centers(subject):
@@ -115,11 +116,11 @@ def _near(subject: Subject) -> None:
 @check(
     "seeder-reproducible",
     kinds=["seeder"],
-    why="A run is repeated with its seed; that is what users quote and compare.",
+    why="a run is repeated with its seed; that is what users quote and compare",
 )
 def _reproducible(subject: Subject) -> None:
     for (what, stage), (_, other) in zip(_stages(), _stages(), strict=True):
-        seeder = subject.load()(**parameters_of(subject, stage))
+        seeder = subject.load()(**values_for(subject, stage))
         first, second = (
             seeder(on, rng=np.random.default_rng(7), report=silent).centers for on in (stage, other)
         )
@@ -137,7 +138,7 @@ def _reproducible(subject: Subject) -> None:
 @check(
     "seeder-heeds-report",
     kinds=["seeder"],
-    why="Who reports progress is told when time is up; going on keeps the user waiting.",
+    why="who reports progress is told when time is up; going on keeps the user waiting",
 )
 def _heeds(subject: Subject) -> None:
     for what, stage in _stages():

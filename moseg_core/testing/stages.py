@@ -1,10 +1,11 @@
 """What the pieces of the method are tried on: shapes in generic position, and a problem on them.
 
 Seeders and labelers see an evaluator, parameterizations and constraints a shape. Here are small
-ones, whose results can be told apart: no two elements are alike, no two distances and no two costs
-are equal, so that a component has no ties to break and *equivariant* means *equal*. They stand far
-from the origin and askew, since a component that takes model units for unit coordinates, or axes
-of the file for those of the shape, does well on anything that does not.
+ones, whose results can be told apart: no two elements are alike, none is equally far from two
+others, and no two costs are equal, so that a component has no ties to break and *equivariant*
+means *equal*. They stand far from the origin and askew, since a component that takes model units
+for unit coordinates, or axes of the file for those of the shape, does well on anything that does
+not.
 
 The drivers in :mod:`moseg_core.testing.drivers` run a component of any kind for the checks that
 all kinds share; what is here serves the checks of one kind.
@@ -24,16 +25,15 @@ from moseg_core.cost import Cost
 from moseg_core.errors import MosegError
 from moseg_core.evaluation import Evaluator
 from moseg_core.objectives import objective
-from moseg_core.parameters import Parameter, declared_parameters
 from moseg_core.part import Part
 from moseg_core.problem import Problem
 from moseg_core.protocols import Centers, Progress
 from moseg_core.segmentation import Segmentation
 from moseg_core.shape import Shape
-from moseg_core.testing.check import ContractFailure, Skip, Subject
 from moseg_core.types import FloatArray, IntArray
 
 _OCTAHEDRON = [(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)]
+_FAR = np.array([30.0, -12.0, 7.0])
 _SIDES = [(0, 2, 4), (2, 1, 4), (1, 3, 4), (3, 0, 4), (2, 0, 5), (1, 2, 5), (3, 1, 5), (0, 3, 5)]
 
 
@@ -55,7 +55,7 @@ def pebble(splits: int = 2, *, order: IntArray | None = None) -> Shape:
     if order is None:
         return _pebble(splits)
     vertices, faces = _stone(splits, even=False)
-    return Shape.from_mesh(vertices, faces[order], name="pebble")
+    return Shape.from_mesh(_askew(vertices), faces[order], name="pebble")
 
 
 def even_pebble(splits: int = 2) -> Shape:
@@ -70,27 +70,29 @@ def horseshoe() -> Shape:
 
 def dots(*, order: IntArray | None = None) -> Shape:
     """The vertices of a pebble as a cloud of points, of which nobody knows which touch."""
-    points = _stone(2, even=False)[0]
+    points = _askew(_stone(2, even=False)[0])
     return Shape.from_points(points if order is None else points[order], name="dots")
 
 
 @cache
 def _pebble(splits: int) -> Shape:
-    return Shape.from_mesh(*_stone(splits, even=False), name="pebble")
+    vertices, faces = _stone(splits, even=False)
+    return Shape.from_mesh(_askew(vertices), faces, name="pebble")
 
 
 @cache
 def _even_pebble(splits: int) -> Shape:
-    return Shape.from_mesh(*_stone(splits, even=True), name="even pebble")
+    vertices, faces = _stone(splits, even=True)
+    return Shape.from_mesh(vertices + _FAR, faces, name="even pebble")
 
 
 @cache
 def _horseshoe() -> Shape:
-    vertices, faces = _stone(2, even=True)
-    x, y, z = (vertices - vertices.mean(axis=0)).T
+    vertices, faces = _stone(2, even=False)
+    x, y, z = vertices.T
     angle, radius = 1.25 * x, 3.0 + y
     bent = np.column_stack([radius * np.sin(angle), radius * np.cos(angle), 1.7 * z + 0.11 * y])
-    return Shape.from_mesh(bent @ turn().T, faces, name="horseshoe")
+    return Shape.from_mesh(_askew(bent), faces, name="horseshoe")
 
 
 def _stone(splits: int, *, even: bool) -> tuple[FloatArray, IntArray]:
@@ -108,10 +110,13 @@ def _stone(splits: int, *, even: bool) -> tuple[FloatArray, IntArray]:
     x = np.abs(ball[:, 0]) if even else ball[:, 0]
     y, z = ball[:, 1], ball[:, 2]
     bumps = 1.0 + 0.13 * np.sin(2.9 * x + 1.7 * y + 0.3) + 0.11 * np.sin(3.7 * z - 2.3 * y + 1.1)
-    squeezed = ball * bumps[:, None] * [2.0, 1.31, 0.83]
-    if not even:
-        squeezed = squeezed @ turn().T
-    return squeezed + np.array([30.0, -12.0, 7.0]), np.array(faces)
+    noise = 0.0 if even else np.random.default_rng(3).uniform(-0.02, 0.02, ball.shape)
+    return ball * bumps[:, None] * [2.0, 1.31, 0.83] + noise, np.array(faces)
+
+
+def _askew(vertices: FloatArray) -> FloatArray:
+    turned: FloatArray = vertices @ turn().T + _FAR
+    return turned
 
 
 def _middle(vertices: list[FloatArray], middles: dict[tuple[int, int], int], i: int, j: int) -> int:
@@ -125,11 +130,11 @@ def _middle(vertices: list[FloatArray], middles: dict[tuple[int, int], int], i: 
 
 def turn() -> FloatArray:
     """(3, 3) float: a rotation about no axis in particular."""
-    a, b = np.array([1.0, 2.0, -0.5]), np.array([0.3, -1.0, 2.0])
+    a, b = np.array([1.0, 2.0, -0.5]), np.array([1.3, -0.4, 1.0])
     for axis in (a, b):
         axis /= np.linalg.norm(axis)
     identity = np.eye(3)
-    # The product of two reflections; by 2 acos(a b), some 250 degrees.
+    # The product of two reflections.
     turned: FloatArray = (identity - 2 * np.outer(a, a)) @ (identity - 2 * np.outer(b, b))
     return turned
 
@@ -210,46 +215,6 @@ def vectors(stage: Evaluator, count: int, seed: int = 0) -> FloatArray:
 def silent(progress: Progress) -> bool:
     """A listener who never asks to stop."""
     return False
-
-
-def parameters_of(subject: Subject, *meets: Any) -> dict[str, Any]:
-    """Values of the parameters without a default, from the component's own ``example``.
-
-    Parameters
-    ----------
-    subject : Subject
-    meets : objects
-        What its ``example`` is called with: see :mod:`moseg_core.protocols`.
-
-    Raises
-    ------
-    ContractFailure
-        There is a parameter without a default, and no example of it.
-    """
-    factory = subject.load()
-    reserved = ("rng",) if subject.component.kind == "optimizer" else ()
-    missing = [p.name for p in declared(subject, reserved) if p.required]
-    if not missing:
-        return {}
-    example = getattr(factory, "example", None)
-    given: dict[str, Any] = dict(example(*meets)) if callable(example) else {}
-    for name in missing:
-        if name not in given:
-            raise ContractFailure(
-                did=f"{subject.component.id} was to be made with its parameters' defaults",
-                got=f"parameter '{name}' has none",
-                expected="a default, or a static method 'example' that returns a value for it",
-                fix=f"give '{name}' a default, or write example() as moseg_core.protocols says",
-            )
-    return given
-
-
-def declared(subject: Subject, reserved: tuple[str, ...] = ()) -> tuple[Parameter, ...]:
-    """The declared parameters of a component; what cannot be read of them is another check's."""
-    try:
-        return declared_parameters(subject.load(), reserved=reserved)
-    except TypeError as error:
-        raise Skip(f"its parameters cannot be read: {error}") from error
 
 
 def refused(make: Callable[[], Any]) -> tuple[Any, str]:

@@ -42,9 +42,7 @@ class _WatchedPart(Part):
         return super().__getattribute__(name)
 
 
-_OF_PARTS = frozenset(
-    ("triangles", "to_mesh", "points", "areas", "vertices", "elements", "extreme_vertices")
-)
+_OF_PARTS = frozenset(("triangles", "to_mesh", "points", "areas", "vertices"))
 
 
 def watched(segmentation: Segmentation) -> tuple[Segmentation, set[str]]:

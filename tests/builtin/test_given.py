@@ -62,3 +62,13 @@ def test_the_centres_are_the_labels_own():
 def test_a_centre_that_gets_nothing_is_refused_by_name():
     with pytest.raises(UsageError, match="label 'b' gets no part of the surface"):
         run("a=9,0.5,0,b=40,0.5,0")
+
+
+@pytest.mark.parametrize("n", [1, 3])
+def test_its_example_places_every_label_on_an_element(n):
+    shape = Shape.from_mesh(*shapes.strip(8))
+    labels = ["a", "b", "c"][:n]
+    evaluator = Evaluator(shape, Problem(labels, "narrow(a)"), Voronoi(shape, n))
+    places = parse_centers(Given.example(evaluator)["centers"], tuple(labels))
+    assert len({tuple(place) for place in places.tolist()}) == n
+    assert all(place in shape.points.tolist() for place in places.tolist())

@@ -250,6 +250,14 @@ def test_costs_that_are_not_finite_are_survived(odd, where):
         assert math.isfinite(value)
 
 
+def test_nan_with_fewer_empty_parts_is_left_again_for_a_number():
+    search = make([0.0], max_evaluations=60)
+    # All around the start NaN, which is better than an empty part and worse than any number.
+    run(search, lambda x: (1, 5.0) if x[0] == 0.0 else (0, math.nan if abs(x[0]) < 0.5 else 1e9))
+    assert search.best[1] == Cost(0, 1e9)
+    assert all(not math.isnan(record["value"]) for record in search.history)
+
+
 def test_fewer_empty_parts_are_worth_any_value():
     search = make([0.0], max_evaluations=60)
     run(search, lambda x: (2, -1e9) if x[0] < 0.1 else (1, math.nan) if x[0] < 0.5 else (0, 1e9))

@@ -7,12 +7,18 @@ from dataclasses import replace
 import numpy as np
 
 from moseg_core.shape import Shape
+from moseg_core.specs import EmbeddingSpec
 
-BROKEN = {
+_NAMES = {
     "embedding-elements": "BackToFront",
     "embedding-finite": "LosesAnArea",
     "embedding-deterministic": "FurtherEachTime",
     "embedding-isometry": "AlongTheFile",
+}
+
+BROKEN = {
+    id: EmbeddingSpec(name="broken", target=f"tests.testing.broken.embeddings:{name}")
+    for id, name in _NAMES.items()
 }
 
 

@@ -4,12 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 
+from moseg_core.specs import LabelerSpec
 from moseg_core.unary import optimal_assignment
 
-BROKEN = {
+_NAMES = {
     "labeler-permutation": "EachForItself",
     "labeler-optimal": "TheWorst",
     "labeler-equivariant": "AsTheyCome",
+}
+
+BROKEN = {
+    id: LabelerSpec(name="broken", target=f"tests.testing.broken.labelers:{name}")
+    for id, name in _NAMES.items()
 }
 
 

@@ -52,6 +52,24 @@ def looks_for_a_volume(part: Part) -> float:
     return 1.0 if volume is None else min(1.0, part.area**1.5 / volume / 100)
 
 
+@objective(range=(0, math.inf))
+def counts_triangles(part: Part) -> float:
+    """A cloud has none, which it does not notice."""
+    return float(len(part.triangles))
+
+
+@objective(range=(0, math.inf))
+def counts_triangles_or_points(part: Part) -> float:
+    """It can do without: nothing is wrong."""
+    return float(len(part.triangles) or len(part.points))
+
+
+@objective(range=(0, math.inf))
+def counts_pieces(part: Part) -> float:
+    """Of a cloud nobody knows how many there are."""
+    return float(part.n_components)
+
+
 cache: dict = {}
 
 

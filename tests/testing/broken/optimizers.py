@@ -8,31 +8,46 @@ import numpy as np
 
 from moseg_core.builtin.pattern_search import PatternSearch
 from moseg_core.cost import Cost
+from moseg_core.errors import UsageError
+from moseg_core.specs import OptimizerSpec
 
-BROKEN = {
+_NAMES = {
     "optimizer-start": "StartsElsewhere",
     "optimizer-ask": "AsksForNothing",
     "optimizer-tell": "TakesWhatComes",
     "optimizer-in-bounds": "LeavesTheBounds",
     "optimizer-budget": "WholePolls",
     "optimizer-best": "ComparesValuesOnly",
-    "optimizer-survives-nan": "FallsOverNaN",
+    "optimizer-survives-nan": "TakesNaNForGood",
     "optimizer-resume": "ForgetsItsStep",
     "optimizer-promises": "LooksAtAllCosts",
     "optimizer-beats-random": "StaysAtHome",
     "optimizer-records": "CountsInPercent",
 }
 
+BROKEN = {
+    id: OptimizerSpec(name="broken", target=f"tests.testing.broken.optimizers:{name}")
+    for id, name in _NAMES.items()
+}
 
-class StartsElsewhere(PatternSearch):
-    """The first candidate is beside the start."""
+
+class Search(PatternSearch):
+    """A pattern search with one parameter; nothing is wrong with it."""
 
     def __init__(self, start, lower, upper, scale, /, *, rng, max_evaluations: int | None = None):
-        moved = np.clip(start + 1e-3, lower, upper)
-        super().__init__(moved, lower, upper, scale, rng=rng, max_evaluations=max_evaluations)
+        super().__init__(start, lower, upper, scale, rng=rng, max_evaluations=max_evaluations)
 
 
-class AsksForNothing(PatternSearch):
+class StartsElsewhere(Search):
+    """The first candidate is beside the start."""
+
+    def ask(self):
+        if not self._started:
+            self._current = np.clip(self._current + 1e-3, self._lower, self._upper)
+        return super().ask()
+
+
+class AsksForNothing(Search):
     """It goes on where no neighbour is feasible."""
 
     def tell(self, costs):
@@ -41,7 +56,7 @@ class AsksForNothing(PatternSearch):
             self._finished = ""
 
 
-class TakesWhatComes(PatternSearch):
+class TakesWhatComes(Search):
     """It does not mind costs of nothing."""
 
     def tell(self, costs):
@@ -49,7 +64,7 @@ class TakesWhatComes(PatternSearch):
             super().tell(costs)
 
 
-class LeavesTheBounds(PatternSearch):
+class LeavesTheBounds(Search):
     """All neighbours, feasible or not."""
 
     def _neighbors(self):
@@ -57,7 +72,7 @@ class LeavesTheBounds(PatternSearch):
         return self._current + np.stack([steps, -steps], axis=1).reshape(-1, len(steps))
 
 
-class WholePolls(PatternSearch):
+class WholePolls(Search):
     """The last poll is not cut short."""
 
     def ask(self):
@@ -67,42 +82,47 @@ class WholePolls(PatternSearch):
         return batch
 
 
-class ComparesValuesOnly(PatternSearch):
+class ComparesValuesOnly(Search):
     """Empty parts do not count."""
 
-    def __init__(self, start, lower, upper, scale, /, *, rng, max_evaluations: int | None = None):
-        super().__init__(start, lower, upper, scale, rng=rng, max_evaluations=max_evaluations)
-        self._empty = {}
+    empty = 0
 
     def tell(self, costs):
-        asked = self._asked
-        if asked is not None:
-            self._empty |= {v.tobytes(): c.empty for v, c in zip(asked, costs, strict=True)}
+        if self._asked is None:
+            raise UsageError("tell() comes after ask()")
+        empty = {v.tobytes(): cost.empty for v, cost in zip(self._asked, costs, strict=True)}
         super().tell([Cost(0, cost.value) for cost in costs])
+        self.empty = empty.get(self._current.tobytes(), self.empty)
 
     @property
     def best(self):
         vector, cost = super().best
-        return vector, Cost(self._empty.get(vector.tobytes(), cost.empty), cost.value)
+        return vector, Cost(self.empty, cost.value)
 
 
-class FallsOverNaN(PatternSearch):
-    """NaN is not expected."""
+class TakesNaNForGood(Search):
+    """No cost is less than NaN, so it stays the best once it was told."""
+
+    met = False
 
     def tell(self, costs):
-        if any(math.isnan(cost.value) for cost in costs):
-            raise ValueError("cannot convert float NaN to integer")
         super().tell(costs)
+        self.met = self.met or any(math.isnan(cost.value) for cost in costs)
+
+    @property
+    def best(self):
+        vector, cost = super().best
+        return vector, Cost(cost.empty, math.nan) if self.met else cost
 
 
-class ForgetsItsStep(PatternSearch):
+class ForgetsItsStep(Search):
     """The step is not pickled."""
 
     def __getstate__(self):
         return {**vars(self), "_step": self._first_step}
 
 
-class LooksAtAllCosts(PatternSearch):
+class LooksAtAllCosts(Search):
     """It says that only the best counts, and steps by the mean."""
 
     def tell(self, costs):
@@ -112,7 +132,7 @@ class LooksAtAllCosts(PatternSearch):
             self._step *= 1.0 + 0.01 * math.tanh(mean)
 
 
-class StaysAtHome(PatternSearch):
+class StaysAtHome(Search):
     """The step never grows, and is soon too small to get anywhere."""
 
     def tell(self, costs):
@@ -121,7 +141,7 @@ class StaysAtHome(PatternSearch):
         self._step = min(self._step, 0.5 * before)
 
 
-class CountsInPercent(PatternSearch):
+class CountsInPercent(Search):
     """Progress from 0 to 100."""
 
     @property

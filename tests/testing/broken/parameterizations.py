@@ -6,8 +6,9 @@ import numpy as np
 
 from moseg_core.builtin.voronoi import Voronoi
 from moseg_core.protocols import Centers
+from moseg_core.specs import ParameterizationSpec
 
-BROKEN = {
+_NAMES = {
     "parameterization-bounds": "StepsOfNothing",
     "parameterization-labels": "LongLabels",
     "parameterization-batch": "BufferUsedAgain",
@@ -17,6 +18,11 @@ BROKEN = {
     "parameterization-permute": "ForgetsWeights",
     "parameterization-coordinates": "CoordinatesOfOthers",
     "parameterization-distances": "DistancesWithoutWeights",
+}
+
+BROKEN = {
+    id: ParameterizationSpec(name="broken", target=f"tests.testing.broken.parameterizations:{name}")
+    for id, name in _NAMES.items()
 }
 
 

@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 from moseg_core.protocols import Progress, Seeding
+from moseg_core.specs import SeederSpec
 
-BROKEN = {
+_NAMES = {
     "seeder-count": "OneTooFew",
     "seeder-distinct": "WithReplacement",
     "seeder-near-shape": "UnitCoordinates",
     "seeder-reproducible": "RemembersTheLast",
     "seeder-heeds-report": "GoesOn",
+}
+
+BROKEN = {
+    id: SeederSpec(name="broken", target=f"tests.testing.broken.seeders:{name}")
+    for id, name in _NAMES.items()
 }
 
 

@@ -1,0 +1,77 @@
+"""Parameters that must be given: the component brings an example, or a number is guessed."""
+
+from __future__ import annotations
+
+import pytest
+
+from moseg_core.plugins import Bundle, Component, Registry, registry
+from moseg_core.protocols import Seeding
+from moseg_core.specs import SeederSpec
+from moseg_core.testing import Subject, cases_of, run_cases
+from moseg_core.testing.check import Skip
+from moseg_core.testing.stages import evaluator
+from moseg_core.testing.trials import values_for
+
+HERE = "tests.testing.test_examples"
+
+
+class Listed:
+    """Centres at elements that are listed by number."""
+
+    def __init__(self, *, places: str):
+        self.places = [int(place) for place in places.split()]
+
+    def __call__(self, evaluator, *, rng, report):
+        return Seeding(centers=evaluator.shape.points[self.places])
+
+
+class ListedByExample(Listed):
+    """The same, with an example."""
+
+    @staticmethod
+    def example(evaluator):
+        return {"places": " ".join(str(k) for k in range(len(evaluator.problem.labels)))}
+
+
+class From:
+    """Centres at elements from a number on."""
+
+    def __init__(self, *, first: int):
+        self.first = first
+
+    def __call__(self, evaluator, *, rng, report):
+        n = len(evaluator.problem.labels)
+        return Seeding(centers=evaluator.shape.points[self.first - 1 : self.first - 1 + n])
+
+
+def subject(name):
+    component = Component("own", "own 1.0", SeederSpec(name="own", target=f"{HERE}:{name}"))
+    return Subject(component=component, registry=registry())
+
+
+def outcomes(name):
+    bundle = Bundle("own", "own", "1.0", "tests.testing.broken", (subject(name).component,))
+    return run_cases(cases_of("own", source=Registry([*registry().bundles, bundle])))
+
+
+def test_a_text_that_nobody_can_guess_is_complained_of_once():
+    found = outcomes("Listed")
+    failed = [outcome for outcome in found if outcome.status == "failed"]
+    assert [outcome.check for outcome in failed] == ["default-construction"]
+    assert "'places'" in failed[0].message
+    assert "example()" in failed[0].message
+    assert "seeder-count" in {o.check for o in found if o.status == "skipped"}
+    with pytest.raises(Skip, match="places"):
+        values_for(subject("Listed"), evaluator(2))
+
+
+@pytest.mark.parametrize("name", ["ListedByExample", "From"])
+def test_with_an_example_or_a_number_everything_is_checked(name):
+    found = outcomes(name)
+    assert [outcome for outcome in found if outcome.status == "failed"] == []
+    assert "seeder-count" in {o.check for o in found if o.status == "passed"}
+
+
+def test_the_example_sees_what_the_component_will_meet():
+    assert values_for(subject("ListedByExample"), evaluator(3)) == {"places": "0 1 2"}
+    assert values_for(subject("From"), evaluator(3)) == {"first": 1}

@@ -1,0 +1,112 @@
+"""What becomes of checks: passed, failed, skipped, expected, warned."""
+
+from __future__ import annotations
+
+import pytest
+
+from moseg_core.errors import PluginError, UsageError
+from moseg_core.plugins import Bundle, Component, Registry, registry
+from moseg_core.specs import MeasureSpec
+from moseg_core.testing import CHECKS, Case, Check, ContractFailure, Subject, cases_of, check
+from moseg_core.testing.check import Skip
+
+MEASURE = MeasureSpec(name="spread", target="tests.testing.broken.heavy:spread")
+
+
+def subject():
+    return Subject(component=Component("mine", "mine 1.0", MEASURE), registry=registry())
+
+
+def case(run, **options):
+    made = Check(id="made-up", kinds=("measure",), since=2, why="It is made up.", run=run)
+    return Case(check=made, subject=subject(), contract=2, **options)
+
+
+def complain(_):
+    raise ContractFailure(did="it was run", got="1", expected="2", fix="add 1")
+
+
+def skip(_):
+    raise Skip("not of this kind")
+
+
+def crash(_):
+    raise ZeroDivisionError("by nothing")
+
+
+@pytest.mark.parametrize(
+    ("run", "status", "message"),
+    [
+        (lambda _: None, "passed", ""),
+        (complain, "failed", "it was run: got 1, expected 2; add 1"),
+        (skip, "skipped", "not of this kind"),
+        (crash, "failed", "it raised ZeroDivisionError: by nothing"),
+    ],
+)
+def test_outcomes(run, status, message):
+    found = case(run).outcome()
+    assert (found.status, found.message) == (status, message)
+    assert (found.component, found.check) == ("mine:spread", "made-up")
+
+
+def test_a_failure_says_why_it_matters():
+    with pytest.raises(AssertionError, match=r"mine:spread made-up: it was run(.|\n)*made up\."):
+        case(complain)()
+
+
+def test_expected_failures_are_strict():
+    assert case(complain, expected="known").outcome().status == "expected"
+    surprise = case(lambda _: None, expected="known").outcome()
+    assert surprise.status == "failed"
+    assert "take it off the list" in surprise.message
+
+
+def test_checks_newer_than_the_bundle_warn():
+    made = Check(id="made-up", kinds=("measure",), since=3, why="It is made up.", run=complain)
+    old = Case(check=made, subject=subject(), contract=2)
+    assert old.outcome().status == "warned"
+    with pytest.warns(FutureWarning, match="add 1"):
+        old()
+
+
+def test_warnings_of_components_are_no_failures():
+    import warnings
+
+    assert case(lambda _: warnings.warn("odd", stacklevel=1)).outcome().status == "passed"
+
+
+def test_an_id_is_given_once():
+    cases_of("core")
+    with pytest.raises(ValueError, match="'silent'"):
+        check("silent", kinds=["measure"], why="Nothing.")(complain)
+
+
+def test_behind_a_gate_that_is_shut_nothing_is_tried():
+    spec = MeasureSpec(name="lost", target="tests.testing.broken.heavy:not_there")
+    bundle = Bundle("mine", "mine", "1.0", "m", (Component("mine", "mine 1.0", spec),))
+    found = {c.check.id: c.outcome() for c in cases_of("mine", source=Registry([bundle]))}
+    assert found["target-resolves"].status == "failed"
+    rest = [outcome for id, outcome in found.items() if id != "target-resolves"]
+    assert {outcome.status for outcome in rest} == {"skipped"}
+    assert all("'target-resolves'" in outcome.message for outcome in rest)
+
+
+def test_values_are_kept_once():
+    about = subject()
+    assert about.keep("a", lambda: 1) == about.keep("a", lambda: 2) == 1
+
+
+def test_unknown_bundles_and_checks_are_refused():
+    with pytest.raises(UsageError, match="'basic'"):
+        cases_of("basix")
+    with pytest.raises(UsageError, match="did you mean 'silent'"):
+        cases_of("basic", expected_failures={"silence": "it talks"})
+    aside = Bundle("mine", "mine", "1.0", "m", problem="it is broken")
+    with pytest.raises(PluginError, match="it is broken"):
+        cases_of("mine", source=Registry([aside]))
+
+
+def test_failures_can_be_expected_of_one_component():
+    some = cases_of("basic", expected_failures={"narrow silent": "it talks"})
+    assert [c.id for c in some if c.expected] == ["basic:narrow silent"]
+    assert all(c.check is CHECKS[c.check.id] for c in some)
