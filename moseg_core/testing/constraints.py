@@ -9,15 +9,15 @@ its middle, of as few labels as they take.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from typing import Any
 
 import numpy as np
 
 from moseg_core.protocols import Constraint
+from moseg_core.shape import Shape
 from moseg_core.testing.check import ContractFailure, Subject, check
-from moseg_core.testing.drivers import declared, values_for
 from moseg_core.testing.parameterizations import within
 from moseg_core.testing.stages import (
     as_numbers,
@@ -25,6 +25,7 @@ from moseg_core.testing.stages import (
     refused,
     unlike,
 )
+from moseg_core.testing.trials import declared, values_for
 from moseg_core.types import FloatArray
 
 _LABELS = 6
@@ -46,7 +47,7 @@ def _made(subject: Subject) -> list[tuple[str, Constraint]]:
         if planar and "plane" not in given:
             tried = [{**given, "plane": "x"}, *([] if found else [given])]
         for values in tried:
-            made, no = refused(partial(subject.load(), shape, labels, **values))
+            made, no = refused(partial(_usable, subject.load(), shape, labels, values))
             if made is not None:
                 found.append((_called(labels, values), made))
             reason = reason or no
@@ -60,6 +61,15 @@ def _made(subject: Subject) -> list[tuple[str, Constraint]]:
             fix="write example(shape, labels), which returns parameters that make sense there",
         )
     return found
+
+
+def _usable(
+    factory: Callable[..., Any], shape: Shape, labels: tuple[int, ...], values: Mapping[str, Any]
+) -> Constraint:
+    """The constraint; one made from a function refuses a number of labels when it is used."""
+    made: Constraint = factory(shape, labels, **values)
+    made.reduce(next(_centers()))
+    return made
 
 
 def _called(labels: tuple[int, ...], values: Mapping[str, Any]) -> str:
@@ -151,12 +161,13 @@ def _in_bounds(subject: Subject) -> None:
                 )
         for free in _numbers(made):
             rows = _rows(_expanded(made, free, next(_centers())), tuple(made.determines))
-            if not np.isfinite(rows).all() or (rows[:, 3] <= 0).any():
+            # A weight of 0 or less costs as much as can be; no number at all cannot be ranked.
+            if not np.isfinite(rows).all():
                 raise ContractFailure(
                     did=f"{free.tolist()}, within the bounds, was expanded for {what}",
                     got=f"the rows {rows.tolist()}",
-                    expected="finite positions and positive, finite weights",
-                    fix="bound what becomes a weight from below, at numpy.finfo(float).tiny",
+                    expected="finite positions and weights",
+                    fix="bound the numbers where the formula has no value",
                 )
 
 

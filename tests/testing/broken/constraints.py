@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from moseg_core.errors import UsageError
+from moseg_core.rules import constraint
 from moseg_core.specs import ConstraintSpec
 
 _NAMES = {
@@ -59,6 +60,13 @@ class Level:
         rows = centers.copy()
         rows[[self.follower, self.source], 2] = centers[[self.follower, self.source], 2].mean()
         return rows[self.follower, [0, 1, 3]], rows
+
+
+@constraint(start=[0.3, 1.0])
+def opposite(free):
+    """Two centres on opposite sides of the middle; nothing is wrong with it."""
+    x, w = free
+    return [[x, 0, 0, w], [-x, 0, 0, w]]
 
 
 class ReadsWhatItDetermines(Level):
