@@ -124,8 +124,8 @@ def _space(term: Term, text: str, spaces: Sequence[str], default: str) -> str:
         return default
     if term.space not in spaces:
         reason = unknown("space", term.space, spaces)
-        if len(spaces) == 1:
-            reason = f"there is no space '{term.space}'; an embedding of that name has to be given"
+        if len(spaces) == 1 and nearest(term.space, spaces) is None:
+            reason = f"there is no space '{term.space}'; give the embedding '{term.space}' too"
         raise ExpressionError(reason, text, *term.space_span)
     return term.space
 

@@ -26,12 +26,14 @@ from typing import Any
 
 import numpy as np
 
-from moseg_core.errors import PluginError, UsageError
+from moseg_core.errors import REPORT, PluginError, UsageError
 from moseg_core.protocols import Centers, Constraint, Parameterization
 from moseg_core.rules import Rule
 from moseg_core.shape import Shape
 from moseg_core.types import BoolArray, FloatArray, IntArray
 
+#: How often centres are made feasible, at most, while some of them are held.
+_TURNS = 60
 #: Up to so many permutations of labels are tried one by one.
 _MOST_TRIED = 50_000
 
@@ -182,6 +184,27 @@ class Constraints:
         """(m,) float: feasible centres near to those of a vector."""
         return self.expand(self.reduce(vector)[None])[0] if self.active else vector
 
+    def holding(self, vector: FloatArray, labels: Sequence[int]) -> FloatArray:
+        """(m,) float: feasible centres, those of certain labels where the vector has them.
+
+        Where the constraints do not allow this, they are near. By turns all centres are made
+        feasible and these put back, until that changes nothing: a leg that is held so draws its
+        mirror image after it, whichever of the two leads.
+        """
+        found = self.feasible(vector)
+        if not self.active or not labels:
+            return found
+        places = np.concatenate([self._partition.coordinates(k) for k in labels])
+        apart = np.inf
+        for _ in range(_TURNS):
+            before, apart = apart, float(np.abs(found[places] - vector[places]).max())
+            if apart <= 1e-15 or apart > 0.99 * before:
+                break
+            again = found.copy()
+            again[places] = vector[places]
+            found = self.feasible(again)
+        return found
+
     def led(self, vector: FloatArray) -> FloatArray:
         """(m,) float: feasible centres of which those that lead are where the vector has them.
 
@@ -282,7 +305,8 @@ def _in_order(
         labels = (*constraint.determines, *constraint.reads)
         if not constraint.determines or not all(0 <= k < len(names) for k in labels):
             raise PluginError(
-                f"constraint '{rule.id}' of {rule.distribution} determines no label of the problem"
+                f"constraint '{rule.id}' of {rule.distribution} determines no label of the problem;"
+                f" {REPORT}"
             )
         for k in constraint.determines:
             if k in constraint.reads:
@@ -339,7 +363,7 @@ def _asked(rule: Rule, rows: Any, shape: tuple[int, ...]) -> FloatArray:
     if array.shape != shape:
         raise PluginError(
             f"constraint '{rule.id}' of {rule.distribution} returned an array of shape"
-            f" {array.shape}; centres are {shape}"
+            f" {array.shape}; centres are {shape}; {REPORT}"
         )
     return array
 

@@ -72,7 +72,8 @@ def read_claims(points: Iterable[metadata.EntryPoint]) -> list[Claim]:
         if point.dist is None:
             claims.append(Claim(point, "an unnamed distribution", "of unknown version"))
             continue
-        claim = Claim(point, point.dist.name, point.dist.version)
+        told = point.dist.metadata  # read and parsed at each touch
+        claim = Claim(point, told["Name"], told["Version"])
         place = claim.version, Path(str(point.dist.locate_file(""))).resolve()
         copies.setdefault(claim.claimant, {}).setdefault(place, []).append(claim)
     for found in copies.values():

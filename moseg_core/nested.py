@@ -342,7 +342,8 @@ class _Descent:
             raise ShapeError("it is empty")
         if len(elements) < len(child.problem.labels):
             raise ShapeError(
-                f"it has {len(elements)} faces, too few for {len(child.problem.labels)} labels"
+                f"it has {len(elements)} {result.shape.geometry.noun}s, too few for"
+                f" {len(child.problem.labels)} labels"
             )
         part = subshape(result.shape, elements, name=joined(result.shape.name, label))
         child.problem.check(child.problem.embed(part))

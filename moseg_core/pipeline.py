@@ -22,7 +22,7 @@ from moseg_core.evaluation import Evaluator
 from moseg_core.hierarchy import Hierarchy
 from moseg_core.method import Method, read_finalists, read_resolution, read_restarts, settled, tuned
 from moseg_core.pins import read_pins
-from moseg_core.problem import Problem
+from moseg_core.problem import ORIGINAL, Problem
 from moseg_core.protocols import Centers, Parameterization, Progress, Report
 from moseg_core.result import Result, find_warnings
 from moseg_core.shape import Shape
@@ -242,7 +242,8 @@ def _start_centers(start: Centers | Result | None, problem: Problem) -> Centers 
                 "the start is a result of several levels, whose centres belong to different"
                 " partitions; start from a result of one level, such as result.levels['']"
             )
-        start = matched_centers(start.problem.labels, start.centers, problem)
+        bent = start.problem.embedding
+        start = matched_centers(start.problem.labels, start.centers, problem, embedding=bent)
     n = len(problem.labels)
     if start is not None and (
         np.shape(start.positions) != (n, 3) or np.shape(start.weights) != (n,)
@@ -251,14 +252,39 @@ def _start_centers(start: Centers | Result | None, problem: Problem) -> Centers 
     return start
 
 
-def matched_centers(names: Sequence[str], centers: Centers, problem: Problem) -> Centers:
+def matched_centers(
+    names: Sequence[str],
+    centers: Centers,
+    problem: Problem,
+    *,
+    embedding: str | Choice | None = None,
+) -> Centers:
     """The centres of an earlier result in the order of a problem's labels.
+
+    Parameters
+    ----------
+    names : sequence of str
+        The labels of the earlier result.
+    centers : Centers
+    problem : Problem
+    embedding : str, Choice or None
+        That of the earlier result.
 
     Raises
     ------
     UsageError
-        The two do not have the same labels.
+        The two do not have the same labels, or their partitions are in different spaces.
     """
+    there, here = (
+        ORIGINAL if choice is None else Choice.read(choice, "embedding").name.rpartition(":")[2]
+        for choice in (embedding, problem.embedding)
+    )
+    if there != here:
+        raise UsageError(
+            f"the start has its centres in the space '{there}', and the partition is to be found in"
+            f" '{here}'; go on in the same space (--embedding"
+            f" {'none' if embedding is None else embedding}), or begin without a start"
+        )
     if sorted(names) != sorted(problem.labels):
         raise UsageError(
             f"the start has the labels {', '.join(names)}; the problem has"

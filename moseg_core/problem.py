@@ -15,7 +15,6 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import Any
-from weakref import WeakKeyDictionary
 
 import numpy.typing as npt
 
@@ -23,7 +22,7 @@ from moseg_core.aggregate import Evaluation, evaluate_segmentation
 from moseg_core.binding import BoundTerm, bind
 from moseg_core.choice import Choice, Ready, prepare
 from moseg_core.constraints import Constraints
-from moseg_core.errors import PluginError, ShapeError, UsageError, unknown
+from moseg_core.errors import REPORT, PluginError, ShapeError, UsageError, unknown
 from moseg_core.language import Expression, parse
 from moseg_core.memo import Memo
 from moseg_core.objectives import Requirement, objective
@@ -118,7 +117,7 @@ class Problem:
             space=self.space,
         )
         self.rules = bind_rules(constraints, self.labels, self.registry, plane)
-        self._embedded: WeakKeyDictionary[Shape, Shape] = WeakKeyDictionary()
+        self._embedded: dict[Shape, Shape] = {}
 
     def __repr__(self) -> str:
         return f"Problem({list(self.labels)!r}, {str(self.expression)!r})"
@@ -165,7 +164,7 @@ class Problem:
         Returns
         -------
         Shape
-            Computed once for each shape.
+            Computed once for each shape, and kept as long as the problem.
 
         Raises
         ------
@@ -182,7 +181,7 @@ class Problem:
             with ready.guard():
                 bent = ready.make()(shape)
             if not isinstance(bent, Shape) or bent.n_elements != shape.n_elements:
-                raise PluginError(f"{ready.who} must return a Shape of the same elements")
+                raise PluginError(f"{ready.who} must return a Shape of the same elements; {REPORT}")
             self._embedded[shape] = replace(bent, space=name, original=shape)
         return self._embedded[shape]
 

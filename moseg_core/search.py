@@ -19,7 +19,7 @@ import numpy as np
 from moseg_core.choice import Ready
 from moseg_core.constraints import Constraints
 from moseg_core.cost import WORST, Cost
-from moseg_core.errors import MosegError, PluginError, UsageError
+from moseg_core.errors import REPORT, MosegError, PluginError, UsageError
 from moseg_core.evaluation import Evaluator
 from moseg_core.protocols import (
     Batch,
@@ -34,6 +34,9 @@ from moseg_core.types import BoolArray, FloatArray, IntArray
 
 _PLACES = 16
 """Pinned elements of a label that are tried as the place of its centre."""
+
+_STILL = 1e-9
+"""How far a frozen centre may move where constraints are made to hold, in diagonals."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -139,8 +142,8 @@ def begin(
     ):
         if start is not None:
             raise UsageError("the start must have finite centres and positive, finite weights")
-        raise PluginError(f"{ready['seeder'].who} placed centres outside the bounds")
-    vector = _towards_pins(evaluator, evaluator.constraints.feasible(vector), frozen)
+        raise PluginError(f"{ready['seeder'].who} placed centres outside the bounds; {REPORT}")
+    vector = _towards_pins(evaluator, _made_feasible(evaluator, vector, start, frozen), frozen)
     return set_up(
         evaluator,
         ready["optimizer"],
@@ -284,12 +287,34 @@ def _free(rules: Constraints, frozen: Sequence[int]) -> BoolArray:
     return free
 
 
+def _made_feasible(
+    evaluator: Evaluator, vector: FloatArray, start: Centers | None, frozen: Sequence[int]
+) -> FloatArray:
+    """(m,) float: feasible centres near to those of a vector, frozen ones where they start."""
+    rules, partition = evaluator.constraints, evaluator.parameterization
+    if start is None:
+        return rules.feasible(vector)
+    feasible = rules.holding(vector, frozen)
+    for label in frozen:
+        places = partition.coordinates(label)
+        if np.abs(feasible[places] - vector[places]).max() > _STILL:
+            name = evaluator.problem.labels[label]
+            raise UsageError(
+                f"label '{name}' is frozen at a place that the constraints do not allow; leave out"
+                f" the constraint or --freeze {name}, or start from a result that obeys it"
+            )
+    return feasible
+
+
 def _towards_pins(evaluator: Evaluator, vector: FloatArray, frozen: Sequence[int]) -> FloatArray:
     """Start where fewer pins are broken: centres moved to the pinned elements of their labels.
 
     The search only notices a pin when an element changes its part, so it needs to start near.
     """
     partition, pins, shape = evaluator.parameterization, evaluator.pins, evaluator.shape
+    rules = evaluator.constraints
+    held = ~_free(rules, frozen)
+    base = rules.reduce(vector)
     for label in np.unique(pins.labels):
         if label in frozen or not pins.broken(evaluator.labels(vector)):
             continue
@@ -300,7 +325,9 @@ def _towards_pins(evaluator: Evaluator, vector: FloatArray, frozen: Sequence[int
             positions = centers.positions.copy()
             positions[label] = place
             moved = partition.encode(replace(centers, positions=positions))
-            tried.append(evaluator.constraints.feasible(moved))
+            free = rules.reduce(rules.holding(moved, [int(label)]))
+            free[held] = base[held]
+            tried.append(rules.expand(free[None])[0])
         costs = evaluator.costs(Batch(vectors=np.stack(tried), best_only=True))
         vector = tried[min(range(len(costs)), key=lambda k: (costs[k], k))]
     return vector
@@ -326,7 +353,7 @@ def _seed(ready: Ready, evaluator: Evaluator, rng: np.random.Generator, report: 
     except (AttributeError, TypeError, ValueError):
         fits = False
     if not fits:
-        raise PluginError(f"{ready.who} must return a Seeding of {n} finite centres")
+        raise PluginError(f"{ready.who} must return a Seeding of {n} finite centres; {REPORT}")
     with ready.guard("has a history that is not made of numbers"):
         history = _plain_records(seeding.history)
     return replace(seeding, centers=centers, history=history)
@@ -371,7 +398,7 @@ def _label(ready: Ready, evaluator: Evaluator, vector: FloatArray) -> IntArray:
         or sorted(array.tolist()) != list(range(n))
     ):
         raise PluginError(
-            f"{ready.who} must return a permutation of 0 to {n - 1}, not {order!r:.80}"
+            f"{ready.who} must return a permutation of 0 to {n - 1}, not {order!r:.80}; {REPORT}"
         )
     return array.astype(np.int64)
 
@@ -388,6 +415,7 @@ def _ask(ready: Ready, search: Optimizer, size: int) -> Batch:
         fits = False
     if not fits:
         raise PluginError(
-            f"{ready.who} must ask for a Batch of one or more finite vectors of {size} numbers"
+            f"{ready.who} must ask for a Batch of one or more finite vectors of {size} numbers;"
+            f" {REPORT}"
         )
     return replace(batch, vectors=vectors)

@@ -1,9 +1,10 @@
 """A part as a shape of its own, to be segmented in its turn.
 
 Its elements are those of the part, in the same order, so that a label found for element ``i`` of
-the part belongs to element ``elements[i]`` of the whole. Everything else is measured anew: its
-unit coordinates are those of its own bounding box, its neighbours are neighbours within the part,
-and its volume is the one that it encloses once the cuts are capped (:mod:`moseg_core.capped`).
+the part belongs to element ``elements[i]`` of the whole. Neighbours are neighbours still, also
+where the user said what counts as one. Everything else is measured anew: its unit coordinates are
+those of its own bounding box, and its volume is the one that it encloses once the cuts are capped
+(:mod:`moseg_core.capped`).
 """
 
 from __future__ import annotations
@@ -12,12 +13,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from moseg_core.adjacency import ranges
+from moseg_core.adjacency import Adjacency, ranges
 from moseg_core.capped import capped_volume
+from moseg_core.cloud import PointCloud
 from moseg_core.errors import ShapeError
 from moseg_core.mesh import PolygonMesh
 from moseg_core.shape import Shape
 from moseg_core.types import IntArray
+from moseg_core.voxels import VoxelGrid
 
 #: Below this share of the cubed diagonal a volume is rounding, as for whole shapes.
 _FLAT = 1e-9
@@ -38,8 +41,9 @@ def subshape(shape: Shape, elements: IntArray, *, name: str | None = None) -> Sh
     Returns
     -------
     Shape
-        Of k elements. It has no volume where it is flat, where the faces are not oriented alike,
-        or where the cuts leave nothing to enclose.
+        Of k elements. A part of a mesh has no volume where it is flat, where the faces are not
+        oriented alike, or where the cuts leave nothing to enclose; a part of a point cloud has
+        none, and the neighbours that it has within the whole.
 
     Raises
     ------
@@ -56,12 +60,22 @@ def subshape(shape: Shape, elements: IntArray, *, name: str | None = None) -> Sh
     (5, 1.0)
     """
     called = shape.name if name is None else name
-    if not isinstance(shape.geometry, PolygonMesh):
-        kind = type(shape.geometry).__name__
-        raise ShapeError(f"parts of '{shape.name}' cannot be divided further: it is a {kind}")
+    geometry = shape.geometry
     if len(elements) == 0:
         raise ShapeError(f"'{called}' has no elements")
-    mesh = _restricted(shape.geometry, elements)
+    if isinstance(geometry, PointCloud):
+        return _of_points(shape, geometry, elements, called)
+    if isinstance(geometry, VoxelGrid) and geometry.solid:
+        kept = np.zeros_like(geometry.occupied)
+        kept[tuple(geometry.cells[elements].T)] = True
+        part = Shape.from_voxels(kept, pitch=geometry.pitch, origin=geometry.origin, name=called)
+        return replace(part, adjacency=_within(shape.adjacency, elements))
+    if not isinstance(geometry, PolygonMesh):
+        raise ShapeError(
+            f"parts of '{shape.name}' cannot be divided further: it is the surface of a"
+            f" {geometry.kind}; read it as a solid"
+        )
+    mesh = _restricted(geometry, elements)
     part = Shape.from_polygon_mesh(mesh, name=called)
     volume, reason = part.volume, part.volume_reason
     # The orientation of a whole that encloses a volume is known to be right, and so the part's.
@@ -70,7 +84,29 @@ def subshape(shape: Shape, elements: IntArray, *, name: str | None = None) -> Sh
         reason = ""
         if volume <= _FLAT * part.frame.scale**3:
             volume, reason = None, "it is flat, also with its cuts capped"
-    return replace(part, volume=volume, volume_reason=reason, notes=())
+    adjacency = _within(shape.adjacency, elements)
+    return replace(part, adjacency=adjacency, volume=volume, volume_reason=reason, notes=())
+
+
+def _within(adjacency: Adjacency | None, elements: IntArray) -> Adjacency | None:
+    """The neighbours within the part; the user may have said what counts as one."""
+    if adjacency is None:
+        return None
+    place = np.full(adjacency.n_elements, -1, np.int64)
+    place[elements] = np.arange(len(elements))
+    pairs = place[adjacency.pairs]
+    return Adjacency.from_pairs(pairs[(pairs >= 0).all(axis=1)], len(elements))
+
+
+def _of_points(shape: Shape, cloud: PointCloud, elements: IntArray, name: str) -> Shape:
+    """Some points of a cloud, with the areas and neighbours that they have in the whole."""
+    part = Shape.from_points(
+        cloud.vertices[elements],
+        areas=cloud.areas[elements],
+        normals=None if cloud.normals is None else cloud.normals[elements],
+        name=name,
+    )
+    return replace(part, adjacency=_within(shape.adjacency, elements))
 
 
 def _restricted(mesh: PolygonMesh, elements: IntArray) -> PolygonMesh:

@@ -307,9 +307,7 @@ def test_its_failure_names_its_distribution(moseg, tee):
     assert message.startswith(
         "moseg: objective 'acme:grumpy' of moseg-acme 1.4.0 failed in 'grumpy(bar)' for "
     )
-    assert message.endswith(
-        ": ValueError: not today; leave the term out, or report it to its authors"
-    )
+    assert message.endswith(": ValueError: not today; report it to its authors, or do without it")
     # Also while labels are being assigned, and the term is tried on the part of another label.
     assert "for stem" not in message
 
@@ -334,3 +332,22 @@ def test_an_odd_namespace_is_printed_as_it_is(monkeypatch, capsys, name):
     monkeypatch.setattr(plugin_command, "registry", lambda: Registry((bundle,)))
     plugin_command.run_list(as_json=False)
     assert capsys.readouterr().out.startswith(f"{name}  moseg-x 1.0\n")
+
+
+def test_long_summaries_fold_under_themselves(monkeypatch, capsys):
+    long = " ".join(["as long as it is wide"] * 8)
+    specs = [
+        ObjectiveSpec(name="slim", target="a:b", summary=long),
+        ObjectiveSpec(name="at_length", target="a:b", summary="short"),
+    ]
+    components = tuple(Component("x", "moseg-x 1.0", spec) for spec in specs)
+    bundle = Bundle("x", "moseg-x", "1.0", "x", components)
+    monkeypatch.setattr(plugin_command, "registry", lambda: Registry((bundle,)))
+    plugin_command.run_list(as_json=False)
+    title, first, second, last, end = capsys.readouterr().out.splitlines()
+    assert (title, end) == ("x  moseg-x 1.0", "")
+    assert first.startswith("  objective  x:slim       as long as it")
+    assert last == "  objective  x:at_length  short"
+    assert second.startswith(" " * last.index("short"))
+    assert len(first) <= 120
+    assert f"{first} {second.strip()}".endswith(long)

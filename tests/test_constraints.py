@@ -315,3 +315,36 @@ def test_pins_are_kept_under_constraints():
     face = int(np.argmin(TABLE.points[:, 1]))
     found = segment(TABLE, table(), pins={"right": [face]}, seed=0)
     assert LEGS[found.labels[face]] == "right"
+
+
+@pytest.mark.parametrize("held", ["left", "right"])
+def test_a_frozen_leg_stays_and_draws_its_mirror_image_after_it(held):
+    begin = segment(TABLE, table(), optimizer="pattern_search(max_evaluations=1)")
+    k, other = LEGS.index(held), 3 - LEGS.index(held)
+    positions = begin.centers.positions.copy()
+    positions[k, 0] *= 0.8
+    start = Centers(positions=positions, weights=begin.centers.weights)
+    found = segment(TABLE, table(), start=start, freeze=[held])
+    rows = TABLE.frame.to_unit(found.centers.positions)
+    assert rows[k] == pytest.approx(TABLE.frame.to_unit(positions)[k], abs=1e-9)
+    assert rows[other] == pytest.approx(rows[k] * [-1, 1, 1], abs=1e-9)
+
+
+def test_a_frozen_centre_that_the_constraints_forbid_is_refused():
+    begin = segment(TABLE, table(), optimizer="pattern_search(max_evaluations=1)")
+    positions = begin.centers.positions + np.array([[0.5, 0, 0], [0, 0, 0], [0, 0, 0]])
+    start = Centers(positions=positions, weights=begin.centers.weights)
+    with pytest.raises(UsageError, match=r"label 'top' is frozen .* --freeze top"):
+        segment(TABLE, table(), start=start, freeze=["top"])
+
+
+def test_pins_do_not_move_what_a_frozen_label_holds():
+    begin = segment(TABLE, table(), optimizer="pattern_search(max_evaluations=1)")
+    far = int(np.argmax(TABLE.points[:, 1] - TABLE.points[:, 0]))
+    found = segment(TABLE, table(), start=begin, freeze=["left"], pins={"right": [far]})
+    assert found.centers.positions[1:] == pytest.approx(begin.centers.positions[1:], abs=1e-9)
+
+
+def test_without_constraints_what_is_held_stays_to_the_bit():
+    found, vector = constraints([]), vectors(0)[0]
+    assert found.holding(vector, [1]) is vector

@@ -44,6 +44,22 @@ def test_neighbours_are_those_within_the_part():
         assert set(STEM[part.adjacency.neighbors(k)].tolist()) == near
 
 
+@pytest.mark.parametrize("which", ["knn", "none"])
+def test_neighbours_that_the_user_asked_for_are_kept(which):
+    corners = TEE.geometry.vertices[TEE.geometry.corners]
+    middle = np.repeat(TEE.points, 4, axis=0)
+    loose = Shape.from_mesh(
+        middle + 0.9 * (corners - middle), np.arange(len(corners)).reshape(-1, 4)
+    ).with_adjacency(which)
+    part = subshape(loose, STEM)
+    if which == "none":
+        assert part.adjacency is None
+    else:
+        assert part.adjacency.components()[0] == 1
+        matrix = loose.adjacency.matrix[STEM][:, STEM]
+        assert (part.adjacency.matrix != matrix).nnz == 0
+
+
 def test_volumes_of_the_two_sides_of_a_plane_cut_add_up():
     rest = np.setdiff1d(np.arange(TEE.n_elements), STEM)
     stem, bar = subshape(TEE, STEM), subshape(TEE, rest)
@@ -93,3 +109,33 @@ def test_nothing_is_no_shape():
     flat = joined(box(), ([[0, 0, 0], [1, 0, 0], [2, 0, 0]], [(0, 1, 2)]))
     with pytest.raises(ShapeError, match="degenerate"):
         subshape(Shape.from_mesh(*flat), np.array([6]))
+
+
+def test_points_keep_their_areas_and_the_neighbours_within():
+    rng = np.random.default_rng(0)
+    points = rng.normal(size=(200, 3))
+    points /= np.linalg.norm(points, axis=1, keepdims=True)
+    cloud = Shape.from_points(points, normals=points, adjacency="knn", name="ball")
+    some = np.flatnonzero(points[:, 2] > 0.2)
+    part = subshape(cloud, some, name="ball/cap")
+    np.testing.assert_array_equal(part.points, cloud.points[some])
+    np.testing.assert_array_equal(part.areas, cloud.areas[some])
+    np.testing.assert_array_equal(part.geometry.normals, points[some])
+    assert part.volume is None
+    for k, element in enumerate(some):
+        expected = [
+            j for j, other in enumerate(some) if other in cloud.adjacency.neighbors(element)
+        ]
+        assert part.adjacency.neighbors(k).tolist() == expected
+    assert subshape(cloud.with_adjacency("none"), some).adjacency is None
+
+
+def test_cells_of_a_solid_are_a_solid():
+    occupied = np.ones((4, 3, 2), bool)
+    solid = Shape.from_voxels(occupied, pitch=0.5, origin=(1, 2, 3), name="block")
+    some = np.flatnonzero(solid.points[:, 0] < 2.0)
+    part = subshape(solid, some, name="block/left")
+    np.testing.assert_allclose(part.points, solid.points[some])
+    assert part.volume == pytest.approx(len(some) * 0.5**3)
+    with pytest.raises(ShapeError, match="the surface of a voxel grid; read it as a solid"):
+        subshape(solid.with_elements("surface"), np.arange(4))

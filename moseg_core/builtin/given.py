@@ -1,7 +1,8 @@
 """Centres placed by hand (Sec. 5.2: where "automation is still desired" it can start from them).
 
 Written ``handle=x,y,z,head=x,y,z``, in model units; every label has a centre, so no labels are
-assigned afterwards.
+assigned afterwards. They are places on the shape as the user knows it: where the partition lives in
+an embedding (Sec. 9), the image of the element nearest to a centre stands for it.
 """
 
 from __future__ import annotations
@@ -9,10 +10,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from moseg_core.errors import UsageError, unknown
 from moseg_core.evaluation import Evaluator
 from moseg_core.protocols import Centers, Report, Seeding
+from moseg_core.shape import Shape
 from moseg_core.types import FloatArray
 
 
@@ -51,7 +54,7 @@ class Given:
             it gets no part.
         """
         labels = evaluator.problem.labels
-        centers = parse_centers(self.centers, labels)
+        centers = _image(parse_centers(self.centers, labels), evaluator.input.shape)
         # Super-elements may be too large for a small part that the input elements can make.
         vector = evaluator.input.parameterization.encode(
             Centers(positions=centers, weights=np.ones(len(labels)))
@@ -62,6 +65,15 @@ class Given:
                 f" nearer everywhere; move its centre to where the part is"
             )
         return Seeding(centers=centers, labelled=True)
+
+
+def _image(centers: FloatArray, shape: Shape) -> FloatArray:
+    """Where the places of centres are after the embedding; as they are where there is none."""
+    if shape.original is None:
+        return centers
+    _, nearest = cKDTree(shape.original.points).query(centers)
+    image: FloatArray = shape.points[nearest]
+    return image
 
 
 def parse_centers(text: str, labels: tuple[str, ...]) -> FloatArray:

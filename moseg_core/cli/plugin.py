@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 import json
+import shutil
 import sys
+import textwrap
+from collections.abc import Iterator
 from typing import Any
 
 from rich.console import Console
-from rich.table import Table
 from rich.text import Text
 
 from moseg_core.plugins import Bundle, registry
+
+_WIDTH_OFF_TERMINAL = 120
+#: Characters that a summary has on a line at least, however narrow the terminal.
+_LEAST_ROOM = 20
 
 
 def run_list(*, as_json: bool) -> None:
@@ -19,20 +25,32 @@ def run_list(*, as_json: bool) -> None:
     if as_json:
         print(json.dumps([_document(bundle) for bundle in bundles], indent=2))
         return
-    out = Console(file=sys.stdout, width=None if sys.stdout.isatty() else 120, highlight=False)
+    width = shutil.get_terminal_size().columns if sys.stdout.isatty() else _WIDTH_OFF_TERMINAL
+    text = Text()
     for bundle in bundles:
-        name, rest = Text(bundle.name, "bold"), f"  {bundle.distribution} {bundle.version}"
-        out.print(name.append(rest, "not bold"))
+        text.append(bundle.name, "bold").append(f"  {bundle.distribution} {bundle.version}\n")
         if bundle.problem:
-            out.print(f"  set aside: {bundle.problem}", style="red", markup=False)
+            text.append(f"  set aside: {bundle.problem}\n", "red")
         if bundle.note:
-            out.print(f"  note: {bundle.note}", style="yellow", markup=False)
-        table = Table(box=None, pad_edge=False, show_header=False)
-        for component in bundle.components:
-            table.add_row(f"  {component.kind}", component.id, Text(component.spec.summary))
-        if bundle.components:
-            out.print(table)
-        out.print()
+            text.append(f"  note: {bundle.note}\n", "yellow")
+        text.append("\n".join(_rows(bundle, width)) + "\n\n" if bundle.components else "\n")
+    # Lines are laid out already: a rich table for each bundle takes longer than finding them all.
+    Console(file=sys.stdout, highlight=False, soft_wrap=True).print(text, end="")
+
+
+def _rows(bundle: Bundle, width: int) -> Iterator[str]:
+    """A line for each component, its columns aligned within the bundle; long summaries fold."""
+    kinds = max(len(component.kind) for component in bundle.components)
+    ids = max(len(component.id) for component in bundle.components)
+    for component in bundle.components:
+        head = f"  {component.kind:{kinds}}  {component.id:{ids}}  "
+        summary = component.spec.summary
+        if len(head) + len(summary) <= width:
+            yield (head + summary).rstrip()
+            continue
+        room = max(width - len(head), _LEAST_ROOM)
+        for k, line in enumerate(textwrap.wrap(summary, room)):
+            yield (head if k == 0 else " " * len(head)) + line
 
 
 def _document(bundle: Bundle) -> dict[str, Any]:

@@ -104,6 +104,11 @@ def read_task(asked: Asked, *, start: SavedResult | None = None) -> Hierarchy:
         embedding=embedding,
         space=space if asked.space is None else asked.space,
     )
+    if asked.plane is not None and not any("plane" in rule.parameters for rule in problem.rules):
+        raise UsageError(
+            f"--plane {asked.plane} is given, but no constraint needs a plane; add one, such as"
+            f" --constraint 'on_plane({problem.labels[0]})'"
+        )
     return Hierarchy(problem, parts, method)
 
 

@@ -72,7 +72,11 @@ def run_segment(
             raise UsageError("boundaries can be clipped for results of one level only, so far")
     if resolution is not None:
         read_resolution(resolution)
-    begin = matched_centers(earlier.names, earlier.centers, problem) if earlier else None
+    begin = None
+    if earlier is not None:
+        begin = matched_centers(
+            earlier.names, earlier.centers, problem, embedding=earlier.embedding
+        )
     pinned = read_pins(pins)
     check_limits(seed, max_seconds)
     processes = available_workers() if workers is None else read_workers(workers)

@@ -71,6 +71,13 @@ def test_an_edge_that_leaves_a_sphere_of_apollonius_through_its_far_side():
     assert pair.crossing(start, end, zero, zero + 1)[0] == pytest.approx(0.25, abs=1e-15)
 
 
+def conditions(three: Bisectors, corners: np.ndarray) -> np.ndarray:
+    """How near to parallel two bisecting planes are, as seen in the plane of each triangle."""
+    normals = three.centers[1:] - three.centers[:1]
+    sides = corners[:, 1:] - corners[:, :1]
+    return np.linalg.cond(np.einsum("kd,tsd->tks", normals, sides))
+
+
 @given(seed=st.integers(0, 10_000), equal=st.booleans())
 @settings(max_examples=100)
 def test_junctions_are_equally_near_to_all_three(seed, equal):
@@ -80,7 +87,10 @@ def test_junctions_are_equally_near_to_all_three(seed, equal):
     triples = np.tile(rng.permutation(3), (20, 1))
     share = three.junction(corners, triples, np.full((20, 3), 1 / 3))
     found = np.isfinite(share).all(axis=1)
-    assert found.all() or not equal  # spheres need not meet in the plane of a triangle
+    if equal:  # planes meet in the plane of every triangle; spheres need not
+        close = conditions(three, corners) < 1e6  # else where they meet drowns in rounding
+        assert close.any()
+        assert found[close].all()
     inside = found & (np.abs(np.where(found[:, None], share, 0.0)) < 10).all(axis=1)
     np.testing.assert_allclose(share[inside].sum(axis=1), 1.0, atol=1e-12)
     points = np.einsum("tk,tkd->td", share[inside], corners[inside])

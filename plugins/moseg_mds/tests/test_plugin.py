@@ -25,7 +25,7 @@ def test_nothing_heavy_is_imported():
 def test_bundle_is_found_whole():
     bundle = next(b for b in registry().bundles if b.name == "mds")
     assert bundle.problem is None
-    offered = plugin.moseg_embeddings() + plugin.moseg_commands()
+    offered = plugin.moseg_embeddings() + plugin.moseg_commands() + plugin.moseg_recipes()
     assert {c.spec for c in bundle.components} == set(offered)
     for component in bundle.components:
         assert component.load() is not None

@@ -1,0 +1,1 @@
+"""Parts that a 3-D printer can make, for moseg."""
