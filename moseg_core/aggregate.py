@@ -17,13 +17,10 @@ import numpy as np
 
 from moseg_core.binding import BoundTerm
 from moseg_core.cost import Cost
-from moseg_core.errors import PluginError, UsageError
+from moseg_core.errors import REPORT, PluginError, UsageError
 from moseg_core.plugins import describe
 from moseg_core.segmentation import Segmentation
 from moseg_core.waiting import under_watch
-
-#: What to do about an objective that does not keep its promises.
-_LEAVE_OUT = "leave the term out, or report it to its authors"
 
 Values = list[list[float | None]]
 """Per term and call the value, or None where it is not known or left out."""
@@ -208,9 +205,7 @@ def call_value(
         except UsageError as error:  # it says what is wrong with its parameters
             raise UsageError(f"in {where}: {error}") from error
         except Exception as error:  # a stranger's objective may raise anything
-            raise PluginError(
-                f"{who} failed in {where}: {describe(error)}; {_LEAVE_OUT}"
-            ) from error
+            raise PluginError(f"{who} failed in {where}: {describe(error)}; {REPORT}") from error
         return _in_range(value, term, where)
 
     value: float = segmentation.memo.get(key, compute)
@@ -225,14 +220,14 @@ def _in_range(value: float, term: BoundTerm, where: str) -> float:
     if not math.isfinite(value):
         raise PluginError(
             f"objective '{term.id}' of {term.distribution} returned {value} in {where}; values"
-            f" must be finite; {_LEAVE_OUT}"
+            f" must be finite; {REPORT}"
         )
     slack = 1e-9 * max([1.0, *(abs(end) for end in (low, high) if math.isfinite(end))])
     if low - slack <= value <= high + slack:
         return min(max(value, low), high)
     raise PluginError(
         f"objective '{term.id}' of {term.distribution} returned {value} in {where}; it declares"
-        f" values from {low:g} to {high:g}; {_LEAVE_OUT}"
+        f" values from {low:g} to {high:g}; {REPORT}"
     )
 
 

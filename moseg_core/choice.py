@@ -11,7 +11,7 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 from typing import Any
 
-from moseg_core.errors import PluginError, UsageError
+from moseg_core.errors import REPORT, PluginError, UsageError
 from moseg_core.language import parse_call
 from moseg_core.language.terms import format_number
 from moseg_core.parameters import check_parameters, declared_parameters
@@ -119,14 +119,14 @@ def prepare(choice: Choice, kind: Kind, registry: Registry) -> Ready:
     if not callable(target):
         raise PluginError(
             f"{kind} '{component.id}' of {component.distribution} cannot be called:"
-            f" {component.spec.target} is a {type(target).__name__}"
+            f" {component.spec.target} is a {type(target).__name__}; {REPORT}"
         )
     reserved = ("rng",) if kind == "optimizer" else ()
     try:
         declared = declared_parameters(target, reserved=reserved)
     except TypeError as error:
         raise PluginError(
-            f"{kind} '{component.id}' of {component.distribution} cannot be used: {error}"
+            f"{kind} '{component.id}' of {component.distribution} cannot be used: {error}; {REPORT}"
         ) from error
     parameters = check_parameters(declared, choice.parameters, f"{kind} '{choice.name}'")
     return Ready(component=component, factory=target, parameters=parameters)

@@ -26,7 +26,7 @@ from typing import Any
 
 import numpy as np
 
-from moseg_core.errors import PluginError, UsageError
+from moseg_core.errors import REPORT, PluginError, UsageError
 from moseg_core.protocols import Centers, Constraint, Parameterization
 from moseg_core.rules import Rule
 from moseg_core.shape import Shape
@@ -307,7 +307,8 @@ def _in_order(
         labels = (*constraint.determines, *constraint.reads)
         if not constraint.determines or not all(0 <= k < len(names) for k in labels):
             raise PluginError(
-                f"constraint '{rule.id}' of {rule.distribution} determines no label of the problem"
+                f"constraint '{rule.id}' of {rule.distribution} determines no label of the problem;"
+                f" {REPORT}"
             )
         for k in constraint.determines:
             if k in constraint.reads:
@@ -364,7 +365,7 @@ def _asked(rule: Rule, rows: Any, shape: tuple[int, ...]) -> FloatArray:
     if array.shape != shape:
         raise PluginError(
             f"constraint '{rule.id}' of {rule.distribution} returned an array of shape"
-            f" {array.shape}; centres are {shape}"
+            f" {array.shape}; centres are {shape}; {REPORT}"
         )
     return array
 

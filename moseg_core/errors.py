@@ -56,6 +56,10 @@ class PluginError(MosegError):
     """A plugin that is missing, broken, or broke its contract; names the distribution."""
 
 
+REPORT = "report it to its authors, or do without it"
+"""What a user can do about a component that breaks its contract; the end of such messages."""
+
+
 class ExpressionError(UsageError):
     """An expression that cannot be understood, with the place in its text.
 

@@ -28,7 +28,7 @@ from typing import Any, Protocol, cast
 import pluggy
 
 from moseg_core import __version__, contract, hookspecs
-from moseg_core.errors import MosegError, PluginError, UsageError, nearest, unknown
+from moseg_core.errors import REPORT, MosegError, PluginError, UsageError, nearest, unknown
 from moseg_core.hookspecs import HOOKS
 from moseg_core.installed import Claim, installed_points, read_claims
 from moseg_core.specs import NAME, Kind, MeasureSpec, Spec
@@ -77,8 +77,7 @@ class Component:
         except (MosegError, OSError):
             raise
         except Exception as error:  # a stranger's component may raise anything
-            text = " ".join(str(error).split())
-            raise PluginError(f"{self.who} {what}: {type(error).__name__}: {text}") from error
+            raise PluginError(f"{self.who} {what}: {describe(error)}; {REPORT}") from error
 
     def load(self) -> Any:
         """Import the component's module and return the object that its target names.

@@ -22,7 +22,7 @@ from moseg_core.aggregate import Evaluation, evaluate_segmentation
 from moseg_core.binding import BoundTerm, bind
 from moseg_core.choice import Choice, Ready, prepare
 from moseg_core.constraints import Constraints
-from moseg_core.errors import PluginError, ShapeError, UsageError, unknown
+from moseg_core.errors import REPORT, PluginError, ShapeError, UsageError, unknown
 from moseg_core.language import Expression, parse
 from moseg_core.memo import Memo
 from moseg_core.objectives import Requirement, objective
@@ -191,7 +191,7 @@ class Problem:
             with ready.guard():
                 bent = ready.make()(shape)
             if not isinstance(bent, Shape) or bent.n_elements != shape.n_elements:
-                raise PluginError(f"{ready.who} must return a Shape of the same elements")
+                raise PluginError(f"{ready.who} must return a Shape of the same elements; {REPORT}")
             self._embedded[shape] = replace(bent, space=name, original=shape)
         return self._embedded[shape]
 

@@ -39,7 +39,7 @@ from pathlib import Path
 from typing import Any
 
 from moseg_core.choice import Choice
-from moseg_core.errors import PluginError, UsageError, unknown
+from moseg_core.errors import REPORT, PluginError, UsageError, unknown
 from moseg_core.hierarchy import Hierarchy, expand_parts, joined
 from moseg_core.language import parse
 from moseg_core.method import Method, read_finalists, read_resolution, read_restarts
@@ -199,7 +199,7 @@ class _Library:
         if not isinstance(text, str):
             raise PluginError(
                 f"recipe '{component.id}' of {component.distribution} is a {type(text).__name__},"
-                f" not a text"
+                f" not a text; {REPORT}"
             )
         recipe = _parse(text, component.spec.name, self._within(component.id, Path()))
         return _in_full(recipe, component.bundle, self.source)

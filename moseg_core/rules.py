@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from moseg_core.binding import chosen_labels
-from moseg_core.errors import ExpressionError, MosegError, PluginError, UsageError
+from moseg_core.errors import REPORT, ExpressionError, MosegError, PluginError, UsageError
 from moseg_core.language import Argument, Term, parse_constraint
 from moseg_core.parameters import Parameter, check_parameters, declared_parameters
 from moseg_core.plugins import Component, Registry, describe
@@ -68,7 +68,7 @@ class Rule:
         if not isinstance(made, Constraint):
             raise PluginError(
                 f"constraint '{self.id}' of {self.distribution} makes a {type(made).__name__},"
-                f" which is not a Constraint"
+                f" which is not a Constraint; {REPORT}"
             )
         return made
 
@@ -283,7 +283,7 @@ def _from_text(
             else declared_parameters(factory)
         )
     except TypeError as error:
-        raise PluginError(f"{component.who} cannot be used: {error}") from error
+        raise PluginError(f"{component.who} cannot be used: {error}; {REPORT}") from error
     parameters = _parameters(term, text, declared)
     if plane is not None and any(parameter.name == "plane" for parameter in declared):
         parameters.setdefault("plane", plane)

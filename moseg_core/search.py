@@ -19,7 +19,7 @@ import numpy as np
 from moseg_core.choice import Ready
 from moseg_core.constraints import Constraints
 from moseg_core.cost import WORST, Cost
-from moseg_core.errors import MosegError, PluginError, UsageError
+from moseg_core.errors import REPORT, MosegError, PluginError, UsageError
 from moseg_core.evaluation import Evaluator
 from moseg_core.protocols import (
     Batch,
@@ -142,7 +142,7 @@ def begin(
     ):
         if start is not None:
             raise UsageError("the start must have finite centres and positive, finite weights")
-        raise PluginError(f"{ready['seeder'].who} placed centres outside the bounds")
+        raise PluginError(f"{ready['seeder'].who} placed centres outside the bounds; {REPORT}")
     vector = _towards_pins(evaluator, _made_feasible(evaluator, vector, start, frozen), frozen)
     return set_up(
         evaluator,
@@ -353,7 +353,7 @@ def _seed(ready: Ready, evaluator: Evaluator, rng: np.random.Generator, report: 
     except (AttributeError, TypeError, ValueError):
         fits = False
     if not fits:
-        raise PluginError(f"{ready.who} must return a Seeding of {n} finite centres")
+        raise PluginError(f"{ready.who} must return a Seeding of {n} finite centres; {REPORT}")
     with ready.guard("has a history that is not made of numbers"):
         history = _plain_records(seeding.history)
     return replace(seeding, centers=centers, history=history)
@@ -398,7 +398,7 @@ def _label(ready: Ready, evaluator: Evaluator, vector: FloatArray) -> IntArray:
         or sorted(array.tolist()) != list(range(n))
     ):
         raise PluginError(
-            f"{ready.who} must return a permutation of 0 to {n - 1}, not {order!r:.80}"
+            f"{ready.who} must return a permutation of 0 to {n - 1}, not {order!r:.80}; {REPORT}"
         )
     return array.astype(np.int64)
 
@@ -415,6 +415,7 @@ def _ask(ready: Ready, search: Optimizer, size: int) -> Batch:
         fits = False
     if not fits:
         raise PluginError(
-            f"{ready.who} must ask for a Batch of one or more finite vectors of {size} numbers"
+            f"{ready.who} must ask for a Batch of one or more finite vectors of {size} numbers;"
+            f" {REPORT}"
         )
     return replace(batch, vectors=vectors)

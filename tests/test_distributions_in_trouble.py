@@ -191,8 +191,8 @@ def test_the_best_so_far_is_written_and_the_failure_told(
     options = ("--restarts", "2", "--workers", workers, "-o", out)
     done = moseg(*segmenting(folder, f"slender(stem) + {name}(bar)", *options), code=1)
     assert done.stderr.splitlines()[-1] == (
-        f"moseg: objective 'acme:{name}' of moseg-acme 1.4.0 {what}; leave the term out, or report"
-        " it to its authors"
+        f"moseg: objective 'acme:{name}' of moseg-acme 1.4.0 {what}; report it to its authors,"
+        " or do without it"
     )
     assert f"; wrote {out}" in done.stderr
     assert "moseg: warning: the run failed; this is the best that it had found" in done.stderr

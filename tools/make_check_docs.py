@@ -1,6 +1,7 @@
 """Make ``docs/authors/checks.md``: what the contract kit tests, and why.
 
-From the one place where checks are declared, the code (:mod:`moseg_core.testing`)::
+From the places where checks are declared (:mod:`moseg_core.testing`) and where each has a component
+that fails it and no other (``tests/testing/broken``)::
 
     python tools/make_check_docs.py
 
@@ -9,14 +10,20 @@ A test compares the page with what this script makes.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import importlib
+import inspect
+import sys
+from collections.abc import Iterable, Iterator
 from pathlib import Path
+from typing import get_args
 
-from moseg_core.specs import Kind
+from moseg_core.specs import Kind, Spec
 from moseg_core.testing import CHECKS, Check
 from moseg_core.testing.run import load_checks
 
-PAGE = Path(__file__).parents[1] / "docs" / "authors" / "checks.md"
+ROOT = Path(__file__).parents[1]
+PAGE = ROOT / "docs" / "authors" / "checks.md"
+BROKEN = ROOT / "tests" / "testing" / "broken"
 
 #: Kinds in the order of the page, with what they are called there.
 KINDS: dict[Kind, str] = {
@@ -35,8 +42,8 @@ INTRODUCTION = """\
 `moseg plugin check NAME`, and `parametrize_contract("NAME")` in a test, run these checks on every
 component of an installed bundle; made from the code by `tools/make_check_docs.py`. A check that
 came with a later contract (*since*) than the bundle states warns instead of failing
-([contract.md](contract.md)). Each is itself tested by a component that fails it and no other:
-`tests/testing/broken`.
+([contract.md](contract.md)). Each is itself tested by a component that fails it and no other, which
+is in the last column; they are in `tests/testing/broken`.
 """
 
 
@@ -47,23 +54,54 @@ def page() -> str:
 
 
 def _sections() -> Iterator[str]:
-    shared = [check for check in CHECKS.values() if len(check.kinds) > 1]
-    if shared:
-        yield from _table("Several kinds", shared, kinds=True)
+    broken = broken_components()
+    several = [check for check in CHECKS.values() if len(check.kinds) > 1]
+    for kinds in dict.fromkeys(check.kinds for check in several):
+        mine = [check for check in several if check.kinds == kinds]
+        yield from _table(_named(kinds), mine, broken)
     for kind, title in KINDS.items():
-        yield from _table(title, [c for c in CHECKS.values() if c.kinds == (kind,)])
+        mine = [check for check in CHECKS.values() if check.kinds == (kind,)]
+        yield from _table(title, mine, broken)
 
 
-def _table(title: str, checks: list[Check], *, kinds: bool = False) -> Iterator[str]:
-    """A section, with a column for kinds where these differ."""
-    extra, rule = (" kinds |", "---|") if kinds else ("", "")
-    yield f"\n## {title}\n\n| check | why | since |{extra}\n|---|---|---|{rule}\n"
+def _named(kinds: tuple[Kind, ...]) -> str:
+    """Several kinds in words, or those that are missing where that is shorter."""
+    missing = [kind for kind in get_args(Kind) if kind not in kinds]
+    if not missing:
+        return "All components"
+    if len(missing) < len(kinds):
+        return f"All but {_listed(missing)}"
+    return _listed(kinds).capitalize()
+
+
+def _listed(kinds: Iterable[Kind]) -> str:
+    *most, last = (f"{kind}s" for kind in kinds)
+    return f"{', '.join(most)} and {last}"
+
+
+def _table(title: str, checks: list[Check], broken: dict[str, Spec]) -> Iterator[str]:
+    yield f"\n## {title}\n\n| check | why | since | fails for |\n|---|---|---|---|\n"
     for check in checks:
-        asked = [title.lower() for kind, title in KINDS.items() if kind in check.kinds]
-        every = "all" if len(asked) == len(KINDS) else ", ".join(asked)
-        told = f" {every} |" if kinds else ""
-        yield f"| `{check.id}` | {check.why} | {check.since} |{told}\n"
+        yield f"| `{check.id}` | {check.why} | {check.since} | {_headline(broken[check.id])} |\n"
+
+
+def broken_components() -> dict[str, Spec]:
+    """For the id of each check the component that fails it."""
+    found: dict[str, Spec] = {}
+    for path in sorted(BROKEN.glob("*.py")):
+        module = importlib.import_module(f"tests.testing.broken.{path.stem}")
+        found |= getattr(module, "BROKEN", {})
+    return found
+
+
+def _headline(spec: Spec) -> str:
+    """A component's name and the first line of its docstring."""
+    module, _, name = spec.target.partition(":")
+    target = getattr(importlib.import_module(module), name, None)
+    said = (inspect.getdoc(target) or "").partition("\n")[0].rstrip(".").replace("``", "`")
+    return f"`{name}`: {said}" if said else f"`{name}`"
 
 
 if __name__ == "__main__":
+    sys.path.insert(0, str(ROOT))  # for the tests' broken components
     PAGE.write_text(page(), encoding="utf-8")

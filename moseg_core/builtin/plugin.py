@@ -12,6 +12,9 @@ from moseg_core.specs import (
     WriterSpec,
 )
 
+#: The contract with moseg that the bundle was written for.
+moseg_contract = 1
+
 
 @hookimpl
 def moseg_parameterizations() -> list[ParameterizationSpec]:

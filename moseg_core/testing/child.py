@@ -19,7 +19,6 @@ import queue
 import subprocess
 import sys
 import threading
-from collections.abc import Mapping
 from contextlib import suppress
 from typing import Any, BinaryIO
 
@@ -142,23 +141,6 @@ def _answer(component: Component, registry: Registry) -> bytes:
 
     try:
         found = drive(Subject(component=component, registry=registry))
-        return pickle.dumps((_plain(found), ""))
+        return pickle.dumps((found, ""))
     except (Exception, SystemExit) as error:  # noqa: BLE001  # a stranger's component
         return pickle.dumps(({}, describe(error)))
-
-
-def _plain(value: Any) -> Any:
-    """The value, with what need not be known to the parent replaced by its type's name."""
-    import numpy as np
-
-    from moseg_core.testing.drivers import Foreign, Raised
-
-    if isinstance(value, Mapping):
-        return {str(key): _plain(item) for key, item in value.items()}
-    if isinstance(value, (tuple, list)):
-        return tuple(_plain(item) for item in value)
-    if value is None or isinstance(value, (bool, int, float, str, bytes, Raised)):
-        return value
-    if isinstance(value, (np.ndarray, np.generic)) and value.dtype != object:
-        return np.asarray(value)
-    return Foreign(type(value).__name__)

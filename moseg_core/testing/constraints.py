@@ -18,7 +18,6 @@ import numpy as np
 from moseg_core.protocols import Constraint
 from moseg_core.shape import Shape
 from moseg_core.testing.check import ContractFailure, Subject, check
-from moseg_core.testing.drivers import declared, values_for
 from moseg_core.testing.parameterizations import within
 from moseg_core.testing.stages import (
     as_numbers,
@@ -26,6 +25,7 @@ from moseg_core.testing.stages import (
     refused,
     unlike,
 )
+from moseg_core.testing.trials import declared, values_for
 from moseg_core.types import FloatArray
 
 _LABELS = 6

@@ -13,8 +13,9 @@ from moseg_core.errors import UsageError
 from moseg_core.parameters import Parameter, check_parameters
 from moseg_core.rules import FunctionConstraint
 from moseg_core.testing.check import ContractFailure, Skip, Subject, check
-from moseg_core.testing.drivers import DRIVEN, declared, drive, prepared, required_values
+from moseg_core.testing.drivers import drive, prepared
 from moseg_core.testing.repeats import baseline, compare, complain_of_errors
+from moseg_core.testing.trials import DRIVEN, declared, required_values
 
 
 @check(

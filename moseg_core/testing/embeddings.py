@@ -16,8 +16,8 @@ from scipy.spatial.distance import pdist
 
 from moseg_core.shape import Shape
 from moseg_core.testing.check import ContractFailure, Skip, Subject, check
-from moseg_core.testing.drivers import values_for
 from moseg_core.testing.stages import pebble, refused, turn, unlike
+from moseg_core.testing.trials import values_for
 from moseg_core.types import FloatArray
 
 #: Of the greatest distance. Iterations that stop a little sooner or later must be allowed for.

@@ -31,16 +31,8 @@ from moseg_core.protocols import (
 from moseg_core.recipe import load_recipe
 from moseg_core.specs import Kind
 from moseg_core.testing.check import ContractFailure, Skip, Subject, check
-from moseg_core.testing.drivers import (
-    DRIVEN,
-    TOYS,
-    Trial,
-    constraint_on,
-    declared,
-    evaluator_on,
-    has_example,
-    optimizer_on,
-)
+from moseg_core.testing.drivers import TOYS, constraint_on, evaluator_on, optimizer_on
+from moseg_core.testing.trials import DRIVEN, Trial, declared, has_example
 from moseg_core.testing.zoo import specimen
 
 ALL: tuple[Kind, ...] = get_args(Kind)

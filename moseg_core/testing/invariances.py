@@ -18,15 +18,8 @@ from moseg_core.objectives import Invariance, Traits
 from moseg_core.protocols import Objective
 from moseg_core.shape import Shape
 from moseg_core.testing.check import ContractFailure, Skip, Subject, check
-from moseg_core.testing.drivers import (
-    Raised,
-    Result,
-    declared,
-    required_values,
-    segmented,
-    value_of,
-    values_on,
-)
+from moseg_core.testing.drivers import segmented, value_of, values_on
+from moseg_core.testing.trials import Raised, Result, declared, required_values
 from moseg_core.testing.zoo import Labelling, faces_of, labellings, rotation, specimen
 from moseg_core.types import FloatArray, Int32Array
 

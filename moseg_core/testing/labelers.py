@@ -14,8 +14,8 @@ import numpy as np
 
 from moseg_core.evaluation import Evaluator
 from moseg_core.testing.check import ContractFailure, Skip, Subject, check
-from moseg_core.testing.drivers import values_for
 from moseg_core.testing.stages import evaluator, vectors
+from moseg_core.testing.trials import values_for
 from moseg_core.types import FloatArray, IntArray
 
 _ROUNDING = 1e-9

@@ -22,18 +22,8 @@ from moseg_core.problem import Problem
 from moseg_core.protocols import Batch, Objective
 from moseg_core.shape import Shape
 from moseg_core.testing.check import ContractFailure, Skip, Subject, check
-from moseg_core.testing.drivers import (
-    LABELS,
-    Raised,
-    Result,
-    declared,
-    required_values,
-    same,
-    segmented,
-    value_of,
-    values_on,
-    vectors_of,
-)
+from moseg_core.testing.drivers import LABELS, segmented, value_of, values_on, vectors_of
+from moseg_core.testing.trials import Raised, Result, declared, required_values, same
 from moseg_core.testing.watched import watched
 from moseg_core.testing.zoo import ZOO, Labelling, faces_of, labellings, specimen
 from moseg_core.types import FloatArray

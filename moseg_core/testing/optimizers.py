@@ -18,8 +18,8 @@ import numpy as np
 from moseg_core.cost import Cost
 from moseg_core.protocols import Batch, Optimizer
 from moseg_core.testing.check import ContractFailure, Skip, Subject, check
-from moseg_core.testing.drivers import declared, values_for
 from moseg_core.testing.stages import as_numbers, clean, unlike
+from moseg_core.testing.trials import declared, values_for
 from moseg_core.types import FloatArray
 
 Toy = Callable[[FloatArray], Cost]

@@ -17,8 +17,8 @@ from scipy.sparse import csgraph
 from moseg_core.protocols import Centers, Parameterization
 from moseg_core.shape import Shape
 from moseg_core.testing.check import ContractFailure, Skip, Subject, check
-from moseg_core.testing.drivers import values_for
 from moseg_core.testing.stages import as_numbers, dots, horseshoe, pebble, unlike
+from moseg_core.testing.trials import values_for
 from moseg_core.types import FloatArray, Int32Array
 
 _FAR = 1e3

@@ -23,7 +23,8 @@ import numpy as np
 from moseg_core.plugins import describe
 from moseg_core.testing.check import ContractFailure, Subject, check
 from moseg_core.testing.child import ChildError, drive_elsewhere
-from moseg_core.testing.drivers import DRIVEN, Raised, Result, Trial, difference, drive, run
+from moseg_core.testing.drivers import drive, run
+from moseg_core.testing.trials import DRIVEN, Raised, Result, Trial, difference
 
 #: What differs by less differs by rounding.
 ROUNDING = 1e-9

@@ -15,8 +15,8 @@ import numpy as np
 from moseg_core.evaluation import Evaluator
 from moseg_core.protocols import Progress, Report, Seeding
 from moseg_core.testing.check import ContractFailure, Subject, check
-from moseg_core.testing.drivers import values_for
 from moseg_core.testing.stages import as_numbers, evaluator, pebble, silent, unlike
+from moseg_core.testing.trials import values_for
 from moseg_core.types import FloatArray
 
 #: How far outside of the box a centre may be, in diagonals of the box.

@@ -9,20 +9,22 @@ from moseg_core.specs import MeasureSpec
 from moseg_core.testing.check import Skip, Subject
 from moseg_core.testing.child import ChildError, drive_elsewhere
 from moseg_core.testing.drivers import (
-    DRIVEN,
     LABELS,
     TOYS,
-    Foreign,
-    Raised,
-    Trial,
     calls_on,
-    difference,
     drive,
     evaluator_on,
     labellings,
+    segmented,
+)
+from moseg_core.testing.trials import (
+    DRIVEN,
+    Foreign,
+    Raised,
+    Trial,
+    difference,
     required_values,
     same,
-    segmented,
 )
 from moseg_core.testing.zoo import specimen
 
@@ -162,6 +164,6 @@ def test_another_process_has_other_hashes():
 
 def test_a_child_that_dies_is_named_and_started_anew():
     with pytest.raises(ChildError, match="ended"):
-        drive_elsewhere(measure("tests.testing.mortal:end"), hash_seed=1)
+        drive_elsewhere(measure("tests.testing.odd:end"), hash_seed=1)
     with pytest.raises(ChildError, match="not_there"):
         drive_elsewhere(measure("tests.testing.broken.heavy:not_there"), hash_seed=1)

@@ -9,8 +9,8 @@ from moseg_core.protocols import Seeding
 from moseg_core.specs import SeederSpec
 from moseg_core.testing import Subject, cases_of, run_cases
 from moseg_core.testing.check import Skip
-from moseg_core.testing.drivers import values_for
 from moseg_core.testing.stages import evaluator
+from moseg_core.testing.trials import values_for
 
 HERE = "tests.testing.test_examples"
 

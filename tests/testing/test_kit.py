@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from moseg_core.plugins import Bundle, Component, Registry, registry
-from moseg_core.specs import ObjectiveSpec
+from moseg_core.specs import ConstraintSpec, ObjectiveSpec
 from moseg_core.testing import CHECKS, cases_of, parametrize_contract, run_cases
 
 HOME = "tests.testing.broken"
@@ -47,6 +47,21 @@ def test_it_fails_this_check_and_no_other(id):
 def test_what_an_objective_may_read(name, expected):
     spec = ObjectiveSpec(name="broken", target=f"{HOME}.objectives:{name}")
     assert {found.check for found in outcomes(spec) if found.status == "failed"} == expected
+
+
+@pytest.mark.parametrize(
+    ("spec", "name"),
+    [
+        (ConstraintSpec, "opposite"),
+        (ObjectiveSpec, "share"),
+        (ObjectiveSpec, "near"),
+        (ObjectiveSpec, "four"),
+    ],
+)
+def test_unusual_components_pass(spec, name):
+    found = outcomes(spec(name="odd", target=f"tests.testing.odd:{name}"))
+    assert [outcome for outcome in found if outcome.status == "failed"] == []
+    assert sum(outcome.status == "passed" for outcome in found) > 10
 
 
 def test_every_check_has_a_broken_component():

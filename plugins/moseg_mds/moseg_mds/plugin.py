@@ -6,6 +6,9 @@ from moseg_core import CommandSpec, EmbeddingSpec, RecipeSpec, hookimpl
 
 _PACKAGE = "moseg_mds"
 
+#: The contract with moseg that the bundle was written for.
+moseg_contract = 1
+
 
 @hookimpl
 def moseg_embeddings() -> list[EmbeddingSpec]:

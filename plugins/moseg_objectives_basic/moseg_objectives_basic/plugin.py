@@ -6,6 +6,9 @@ from moseg_core import MeasureSpec, ObjectiveSpec, RecipeSpec, hookimpl
 
 _PACKAGE = "moseg_objectives_basic"
 
+#: The contract with moseg that the bundle was written for.
+moseg_contract = 1
+
 
 @hookimpl
 def moseg_objectives() -> list[ObjectiveSpec]:
