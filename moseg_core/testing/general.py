@@ -182,7 +182,7 @@ def _binds(target: Any, positional: tuple[str, ...], keywords: tuple[str, ...], 
     except TypeError as error:
         raise ContractFailure(
             did=f"{who} was called as ({given})",
-            got=f"{error}; its signature is {signature}",
+            got=f"{describe(error)} (its signature is {signature})",
             expected="a signature that takes these arguments",
             fix="change the signature; parameters of the user come after '*'",
         ) from error
@@ -311,7 +311,7 @@ def bundle_imports_light(subject: Subject) -> None:
     if heavy:
         raise ContractFailure(
             did=did,
-            got=f"that {', '.join(heavy)} were imported",
+            got=f"imports of {', '.join(heavy)}",
             expected="none of them",
             fix="name components as texts, 'package.module:Name', and import nothing heavy in"
             " this module or in its package's __init__",

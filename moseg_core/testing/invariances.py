@@ -29,6 +29,16 @@ _EXACT = 1e-6
 #: Relative difference that another tessellation explains, for surfaces integrated by samples.
 _SAMPLED = 0.05
 
+_INSTEAD: dict[Invariance, str] = {
+    "rigid": "use distances within the part and angles between axes, no coordinates",
+    "scale": "divide by a size of the same dimension: part.area, part.shape.box_diagonal",
+    "reflection": "use no signs of cross products and of coordinates",
+    "order": "use no element or vertex for its number; sum over all of them",
+    "tessellation": "weight elements by part.areas, and count nothing",
+    "labels": "treat all parts alike: sum, or take the mean, over them",
+}
+"""How to get what was declared."""
+
 Change = Callable[[Shape, Int32Array], tuple[Shape, Int32Array]]
 """From a shape and labels to another shape with labels."""
 
@@ -133,8 +143,7 @@ def _complain(
         did=f"the lump was {did} ({title})",
         got=f"{before} before and {after} after",
         expected=f"the same within {tolerance:g} of it",
-        fix=f"take '{invariance}' out of invariant_to, or measure what does not change, such as"
-        f" scales and distances within the part",
+        fix=f"take '{invariance}' out of invariant_to, or {_INSTEAD[invariance]}",
     )
 
 

@@ -154,7 +154,7 @@ def requires_what_it_reads(subject: Subject) -> None:
         names = ", ".join(f'"{name}"' for name in sorted({*requires, *missing}))
         raise ContractFailure(
             did="it was asked about parts that note what is read of them",
-            got=f"it read what belongs to {' and '.join(missing)}",
+            got=f"readings of the {' and the '.join(missing)}",
             expected=f"only what it requires: {', '.join(sorted(requires)) or 'nothing'}",
             fix=f"declare requires=({names},), or do without",
         )
