@@ -10,11 +10,18 @@ For the authors of bundles, in one line of their tests (``pytest`` is theirs, no
 
 and the same without it: ``moseg plugin check mybundle``. Both go through the installed entry
 point, so that the packaging is tested too. What is checked, and why, is in
-:data:`moseg_core.testing.check.CHECKS`; a table of it in ``docs/authors/checks.md``.
+:func:`load_checks`; a table of it in ``docs/authors/checks.md``.
 """
 
 from moseg_core.testing.check import CHECKS, Check, ContractFailure, Subject, check
-from moseg_core.testing.run import Case, Outcome, cases_of, parametrize_contract, run_cases
+from moseg_core.testing.run import (
+    Case,
+    Outcome,
+    cases_of,
+    load_checks,
+    parametrize_contract,
+    run_cases,
+)
 
 __all__ = [
     "CHECKS",
@@ -25,6 +32,7 @@ __all__ = [
     "Subject",
     "cases_of",
     "check",
+    "load_checks",
     "parametrize_contract",
     "run_cases",
 ]

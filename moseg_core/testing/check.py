@@ -100,7 +100,7 @@ class Skip(Exception):  # noqa: N818  # nothing went wrong
 
 
 CHECKS: dict[str, Check] = {}
-"""All checks by id, in the order in which they are run."""
+"""All checks by id that were registered so far; see :func:`moseg_core.testing.load_checks`."""
 
 
 def check(

@@ -91,6 +91,22 @@ def test_behind_a_gate_that_is_shut_nothing_is_tried():
     assert all("'target-resolves'" in outcome.message for outcome in rest)
 
 
+def test_checks_come_in_one_order_whatever_was_imported_first():
+    import subprocess
+    import sys
+
+    found = []
+    for first in ("general", "optimizers", "declarations"):
+        code = (
+            f"import moseg_core.testing.{first}; from moseg_core.testing import load_checks;"
+            "print([check.id for check in load_checks()])"
+        )
+        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+        found.append(done.stdout)
+    assert found[0].startswith("['target-resolves'")
+    assert found[0] == found[1] == found[2]
+
+
 def test_values_are_kept_once():
     about = subject()
     assert about.keep("a", lambda: 1) == about.keep("a", lambda: 2) == 1
