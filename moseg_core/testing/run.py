@@ -124,12 +124,6 @@ class Case:
             warnings.warn(f"{self.id}: {outcome.message}", FutureWarning, stacklevel=2)
 
 
-def load_checks() -> None:
-    """Import the modules that register checks, so that :data:`CHECKS` has all of them."""
-    for name in _MODULES:
-        importlib.import_module(f"moseg_core.testing.{name}")
-
-
 def _failure(check: Check, subject: Subject) -> tuple[str, str]:
     """What a check complains about, and how to mend it; empty where it passes.
 
