@@ -121,7 +121,8 @@ class Case:
 
             raise unittest.SkipTest(outcome.message)
         if outcome.status == "warned":
-            warnings.warn(f"{self.id}: {outcome.message}", FutureWarning, stacklevel=2)
+            fix = f"; {outcome.fix}" if outcome.fix else ""
+            warnings.warn(f"{self.id}: {outcome.message}{fix}", FutureWarning, stacklevel=2)
 
 
 def _failure(check: Check, subject: Subject) -> tuple[str, str]:
