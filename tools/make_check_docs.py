@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import get_args
 
 from moseg_core.specs import Kind, Spec
-from moseg_core.testing import CHECKS, Check
+from moseg_core.testing import Check
 from moseg_core.testing.run import load_checks
 
 ROOT = Path(__file__).parents[1]
@@ -49,18 +49,17 @@ is in the last column; they are in `tests/testing/broken`.
 
 def page() -> str:
     """The text of the page."""
-    load_checks()
     return INTRODUCTION + "".join(_sections())
 
 
 def _sections() -> Iterator[str]:
-    broken = broken_components()
-    several = [check for check in CHECKS.values() if len(check.kinds) > 1]
+    checks, broken = load_checks(), broken_components()
+    several = [check for check in checks if len(check.kinds) > 1]
     for kinds in dict.fromkeys(check.kinds for check in several):
         mine = [check for check in several if check.kinds == kinds]
         yield from _table(_named(kinds), mine, broken)
     for kind, title in KINDS.items():
-        mine = [check for check in CHECKS.values() if check.kinds == (kind,)]
+        mine = [check for check in checks if check.kinds == (kind,)]
         yield from _table(title, mine, broken)
 
 

@@ -121,13 +121,8 @@ class Case:
 
             raise unittest.SkipTest(outcome.message)
         if outcome.status == "warned":
-            warnings.warn(f"{self.id}: {outcome.message}", FutureWarning, stacklevel=2)
-
-
-def load_checks() -> None:
-    """Import the modules that register checks, so that :data:`CHECKS` has all of them."""
-    for name in _MODULES:
-        importlib.import_module(f"moseg_core.testing.{name}")
+            fix = f"; {outcome.fix}" if outcome.fix else ""
+            warnings.warn(f"{self.id}: {outcome.message}{fix}", FutureWarning, stacklevel=2)
 
 
 def _failure(check: Check, subject: Subject) -> tuple[str, str]:

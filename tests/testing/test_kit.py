@@ -30,7 +30,11 @@ def outcomes(spec, module=HOME):
 @pytest.mark.parametrize("id", SPECS)
 def test_it_fails_this_check_and_no_other(id):
     found = outcomes(SPECS[id], BUNDLES.get(id, HOME))
-    failed = {outcome.check: outcome.message for outcome in found if outcome.status == "failed"}
+    failed = {
+        outcome.check: f"{outcome.message}; {outcome.fix}"
+        for outcome in found
+        if outcome.status == "failed"
+    }
     assert set(failed) == {id}, failed
     for word in ("got ", "expected ", "; "):
         assert word in failed[id]

@@ -37,7 +37,11 @@ def failures(spec):
     component = Component("broken", "moseg-broken 1.0", spec)
     bundle = Bundle("broken", "moseg-broken", "1.0", HOME, (component,))
     found = run_cases(cases_of("broken", source=Registry([*registry().bundles, bundle])))
-    return {outcome.check: outcome.message for outcome in found if outcome.status == "failed"}
+    return {
+        outcome.check: f"{outcome.message}; {outcome.fix}"
+        for outcome in found
+        if outcome.status == "failed"
+    }
 
 
 @pytest.mark.parametrize("id", SPECS)

@@ -35,17 +35,17 @@ def crash(_):
 
 
 @pytest.mark.parametrize(
-    ("run", "status", "message"),
+    ("run", "status", "message", "fix"),
     [
-        (lambda _: None, "passed", ""),
-        (complain, "failed", "it was run: got 1, expected 2; add 1"),
-        (skip, "skipped", "not of this kind"),
-        (crash, "failed", "it raised ZeroDivisionError: by nothing"),
+        (lambda _: None, "passed", "", ""),
+        (complain, "failed", "it was run: got 1, expected 2", "add 1"),
+        (skip, "skipped", "not of this kind", ""),
+        (crash, "failed", "it raised ZeroDivisionError: by nothing", ""),
     ],
 )
-def test_outcomes(run, status, message):
+def test_outcomes(run, status, message, fix):
     found = case(run).outcome()
-    assert (found.status, found.message) == (status, message)
+    assert (found.status, found.message, found.fix) == (status, message, fix)
     assert (found.component, found.check) == ("mine:spread", "made-up")
 
 
