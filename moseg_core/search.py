@@ -131,7 +131,10 @@ def begin(
         vector = partition.encode(Centers(positions=seeding.centers, weights=np.ones(n)))
         if not seeding.labelled:
             vector = partition.permute(vector, _label(ready["labeler"], evaluator, vector))
-            order = evaluator.constraints.nearest_order(vector, evaluator.problem.alike)
+            # Labels with pins were assigned by these, and stay.
+            pinned = set(evaluator.pins.labels.tolist())
+            free = [[k for k in group if k not in pinned] for group in evaluator.problem.alike]
+            order = evaluator.constraints.nearest_order(vector, free)
             vector = partition.permute(vector, order)
     else:
         vector = partition.encode(start)

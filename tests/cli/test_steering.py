@@ -101,7 +101,8 @@ def test_a_start_with_other_labels_is_refused(moseg, mallet, tmp_path):
 def interrupted(words, cwd):
     """Run the command line and press Ctrl-C once the search is under way."""
     process = subprocess.Popen(
-        [sys.executable, "-u", "-c", _RUNNER, *words],
+        # One process: a copy of it would not see that the signal has come.
+        [sys.executable, "-u", "-c", _RUNNER, *words, "--workers", "1"],
         cwd=cwd,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,

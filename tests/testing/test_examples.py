@@ -59,7 +59,7 @@ def test_a_text_that_nobody_can_guess_is_complained_of_once():
     failed = [outcome for outcome in found if outcome.status == "failed"]
     assert [outcome.check for outcome in failed] == ["default-construction"]
     assert "'places'" in failed[0].message
-    assert "example()" in failed[0].message
+    assert "example()" in failed[0].fix
     assert "seeder-count" in {o.check for o in found if o.status == "skipped"}
     with pytest.raises(Skip, match="places"):
         values_for(subject("Listed"), evaluator(2))
