@@ -59,7 +59,9 @@ def terms_table(evaluation: Evaluation) -> Table:
                 table.add_row(name, labels, "left out", f"{term.weight:g}", "", "")
                 continue
             cost = term.weight * call.value
-            share = f"{100 * abs(cost) / total:.1f} %" if total else ""
+            share = (
+                f"{100 * abs(cost) / total:.1f} %" if total >= 5e-7 else ""
+            )  # else all print as 0
             table.add_row(
                 name, labels, f"{call.value:.6f}", f"{term.weight:g}", f"{cost:.6f}", share
             )
