@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from moseg_core.objectives import objective
-from moseg_core.part import Part
 from moseg_core.plugins import Bundle, Component, Registry, registry
 from moseg_core.rules import constraint
 from moseg_core.specs import ConstraintSpec
@@ -112,13 +110,6 @@ class Nothing:
 def pair(free):
     """Two centres that mirror each other, as a user would write it."""
     return [free, FLIP * free]
-
-
-@objective(range=(0, 1))
-def long_thin(part: Part) -> float:
-    """Small for a narrow part."""
-    s1, s2, s3 = part.scales
-    return float((s2 + s3) / (2 * s1))
 
 
 def known() -> Registry:
