@@ -17,12 +17,12 @@ from pathlib import Path
 import numpy as np
 
 import moseg_core as moseg
-from moseg_core.aggregate import evaluate_segmentation
+from moseg_core.builtin.flood import flood_labels
 from moseg_core.builtin.kmeans import KMeans
 from moseg_core.builtin.voronoi import Voronoi
-from moseg_core.kernels.flood import flood_labels
-from moseg_core.memo import Memo
-from moseg_core.protocols import Batch, Centers
+from moseg_core.components.memo import Memo
+from moseg_core.components.protocols import Batch, Centers
+from moseg_core.problem.aggregate import evaluate_segmentation
 
 sys.path.insert(0, str(Path(__file__).parent.parent))
 from tests.references import connected_partition
@@ -77,7 +77,7 @@ def evaluation_table(shape: moseg.Shape) -> None:
     problem = moseg.Problem(recipe.labels, recipe.minimize)
     n = len(problem.labels)
     voronoi = Voronoi(shape, n)
-    fresh = moseg.Evaluator(shape, problem, voronoi)
+    fresh = moseg.ProblemEvaluator(shape, problem, voronoi)
     seeding = KMeans()(fresh, rng=np.random.default_rng(0), report=lambda _: None)
     start = voronoi.encode(Centers(positions=seeding.centers, weights=np.ones(n)))
     steps = 0.05 * np.eye(len(start))
@@ -96,10 +96,10 @@ def evaluation_table(shape: moseg.Shape) -> None:
     rows = {
         "every term, nothing remembered": median(lambda: evaluate_all(None), 3),
         "every term, a fresh memo": median(
-            lambda: moseg.Evaluator(shape, problem, voronoi).costs(exact), 3
+            lambda: moseg.ProblemEvaluator(shape, problem, voronoi).costs(exact), 3
         ),
         "only the best matters, a fresh memo": median(
-            lambda: moseg.Evaluator(shape, problem, voronoi).costs(best), 5
+            lambda: moseg.ProblemEvaluator(shape, problem, voronoi).costs(best), 5
         ),
         "partition alone, one core": median(lambda: [voronoi.labels(row[None]) for row in poll], 5),
         "partition alone, all cores": median(lambda: voronoi.labels(poll), 5),

@@ -21,7 +21,7 @@ import numpy as np
 
 import moseg_core as moseg
 from moseg_core.builtin.voronoi import Voronoi
-from moseg_core.protocols import Batch, Centers
+from moseg_core.components.protocols import Batch, Centers
 
 Polls = list[np.ndarray]
 
@@ -85,8 +85,10 @@ def stages(shape: moseg.Shape, people: list[Centers]) -> dict[str, float]:
         steps = 0.05 * np.eye(4 * n)
         polls = [np.concatenate([vector + steps, vector - steps]) for vector in encoded[::4]]
 
-        def evaluator(level: moseg.Shape = level, voronoi: Voronoi = voronoi) -> moseg.Evaluator:
-            return moseg.Evaluator(level, problem, voronoi)
+        def evaluator(
+            level: moseg.Shape = level, voronoi: Voronoi = voronoi
+        ) -> moseg.ProblemEvaluator:
+            return moseg.ProblemEvaluator(level, problem, voronoi)
 
         rows[f"{name}: partition"] = seconds(lambda v=voronoi, x=encoded: v.labels(x), 1) / len(
             encoded
@@ -96,7 +98,7 @@ def stages(shape: moseg.Shape, people: list[Centers]) -> dict[str, float]:
         ) / len(encoded)
 
         def all_polls(
-            make: Callable[[], moseg.Evaluator] = evaluator, polls: Polls = polls
+            make: Callable[[], moseg.ProblemEvaluator] = evaluator, polls: Polls = polls
         ) -> None:
             for poll in polls:
                 make().costs(Batch(vectors=poll, best_only=True))

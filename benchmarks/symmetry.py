@@ -16,8 +16,8 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from moseg_symmetry.detection import detect_planes, half_sphere
 from moseg_symmetry.motions import Reflection
+from moseg_symmetry.plane_detection import detect_planes, half_sphere
 from moseg_symmetry.surface import Surface, surface_of
 from scipy.optimize import minimize
 

@@ -19,10 +19,7 @@ from __future__ import annotations
 import difflib
 import re
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, ClassVar
-
-if TYPE_CHECKING:
-    from moseg_core.result import Result
+from typing import Any, ClassVar
 
 
 class MosegError(Exception):
@@ -37,7 +34,7 @@ class MosegError(Exception):
     """
 
     exit_code: ClassVar[int] = 1
-    result: Result | None = None
+    result: Any = None  # a Result stands above: nothing here may import it
 
 
 class UsageError(MosegError, ValueError):

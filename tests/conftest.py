@@ -16,8 +16,8 @@ from textwrap import dedent
 import pytest
 from hypothesis import settings
 
-from moseg_core.plugins import Registry, discover, registry
-from moseg_core.shape import Shape
+from moseg_core.components.discovery.registry import Registry, discover, registry
+from moseg_core.shape.shape import Shape
 from tests import shapes
 
 # How long an example takes depends on the machine, and on whether kernels are compiled yet.

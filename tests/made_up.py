@@ -11,14 +11,14 @@ import math
 import numpy as np
 from hypothesis import strategies as st
 
-from moseg_core.aggregate import evaluate_segmentation
-from moseg_core.evaluation import Evaluator
-from moseg_core.memo import Memo
-from moseg_core.objectives import FunctionObjective, Traits, objective
-from moseg_core.part import Part
-from moseg_core.problem import Problem
-from moseg_core.segmentation import Segmentation
-from moseg_core.shape import Shape
+from moseg_core.components.memo import Memo
+from moseg_core.components.objectives import FunctionObjective, Traits, objective
+from moseg_core.components.part import Part
+from moseg_core.components.segmentation import Segmentation
+from moseg_core.problem.aggregate import evaluate_segmentation
+from moseg_core.problem.problem import Problem
+from moseg_core.search.evaluator import ProblemEvaluator
+from moseg_core.shape.shape import Shape
 from tests import shapes
 from tests.references import Listed
 
@@ -55,7 +55,7 @@ def made(arity, range_, cost, *, levels=5, calls=None):
 
 def evaluator_of(problem, labellings, **options):
     listed = Listed(np.array(labellings), len(problem.labels))
-    return Evaluator(STRIP, problem, listed, **options)
+    return ProblemEvaluator(STRIP, problem, listed, **options)
 
 
 def numbers(count):

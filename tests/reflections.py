@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from moseg_core.plugins import Bundle, Component, Registry, registry
-from moseg_core.rules import constraint
-from moseg_core.specs import ConstraintSpec
+from moseg_core.components.constraint_function import constraint
+from moseg_core.components.discovery.registry import Bundle, Component, Registry, registry
+from moseg_core.components.discovery.specs import ConstraintSpec
 
 TINY = np.finfo(np.float64).tiny
 FLIP = np.array([-1.0, 1.0, 1.0, 1.0])

@@ -20,7 +20,7 @@ import numpy as np
 from PIL import Image
 
 import moseg_core as moseg
-from moseg_core.mesh import PolygonMesh
+from moseg_core.shape.mesh import PolygonMesh
 from moseg_core.view.picture import render_picture
 
 DESTINATION = Path(__file__).resolve().parent.parent / "docs" / "images" / "clip.png"

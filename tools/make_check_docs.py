@@ -17,7 +17,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import get_args
 
-from moseg_core.specs import Kind, Spec
+from moseg_core.components.discovery.specs import Kind, Spec
 from moseg_core.testing import Check
 from moseg_core.testing.run import load_checks
 

@@ -1,6 +1,6 @@
 """Make ``docs/components.md``: all components of moseg's own bundles and their parameters.
 
-From the one place where they are declared, the code (:mod:`moseg_core.explained`)::
+From the one place where they are declared, the code (:mod:`moseg_core.components.explanation`)::
 
     python tools/make_component_docs.py
 
@@ -13,9 +13,9 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
-from moseg_core.explained import Explained, bounds, default, explain_component, span
-from moseg_core.plugins import registry
-from moseg_core.specs import Kind
+from moseg_core.components.discovery.registry import registry
+from moseg_core.components.discovery.specs import Kind
+from moseg_core.components.explanation import Explained, bounds, default, explain_component, span
 
 PAGE = Path(__file__).parents[1] / "docs" / "components.md"
 BUNDLES = ("core", "basic", "symmetry", "mds")

@@ -18,16 +18,16 @@ from typing import Any
 
 import numpy as np
 
+from moseg_core.agreement import named_right, rand_index_error
 from moseg_core.bench.names import Naming, labels_by_overlap, labels_of_names
 from moseg_core.bench.psb import Model
+from moseg_core.components.protocols import Report
 from moseg_core.errors import MosegError, UsageError
-from moseg_core.hierarchy import Hierarchy
 from moseg_core.io import Labelling, load, read_labels
-from moseg_core.metrics import named_right, rand_index_error
-from moseg_core.nested import segment_hierarchy
-from moseg_core.protocols import Report
-from moseg_core.recipe import Recipe
-from moseg_core.shape import Shape
+from moseg_core.problem.hierarchy import Hierarchy
+from moseg_core.problem.recipe import Recipe
+from moseg_core.search.levels import segment_hierarchy
+from moseg_core.shape.shape import Shape
 from moseg_core.types import IntArray
 
 PEOPLE, KMEANS, COSTS = "people", "k-means", "costs"

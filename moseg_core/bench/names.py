@@ -17,10 +17,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from moseg_core.agreement import fold
 from moseg_core.errors import UsageError, unknown
 from moseg_core.io import Labelling
-from moseg_core.metrics import fold
-from moseg_core.shape import Shape
+from moseg_core.shape.shape import Shape
 from moseg_core.types import FloatArray, IntArray
 
 
@@ -32,7 +32,7 @@ class Naming:
     ----------
     rename : mapping of str to str
         For a recipe's label the true name that it is compared with
-        (:func:`moseg_core.metrics.renamed`).
+        (:func:`moseg_core.agreement.renamed`).
     merge : mapping of str to str
         For a true name the recipe's label, without instance number, that it belongs to.
     """

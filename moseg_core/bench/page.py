@@ -15,8 +15,8 @@ import numpy as np
 
 from moseg_core.bench.cases import Case, Row
 from moseg_core.bench.tables import Printed
+from moseg_core.components.protocols import Report
 from moseg_core.io import load, read_labels, write_file
-from moseg_core.protocols import Report
 from moseg_core.types import IntArray
 from moseg_core.view.picture import render_picture
 

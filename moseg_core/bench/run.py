@@ -21,11 +21,11 @@ from moseg_core.bench.names import Naming
 from moseg_core.bench.page import draw_case, write_page
 from moseg_core.bench.psb import CATEGORIES, NAMINGS, Model
 from moseg_core.bench.tables import all_tables, failures
+from moseg_core.components.protocols import Report
 from moseg_core.errors import MosegError
 from moseg_core.io import encode_seg, read_labels, write_file
-from moseg_core.protocols import Report
-from moseg_core.recipe import Recipe
-from moseg_core.workers import Workers
+from moseg_core.problem.recipe import Recipe
+from moseg_core.search.workers import Workers
 
 Show = Callable[[int, int, Row], None]
 """Told the number of cases done, of all, and the last one's row."""

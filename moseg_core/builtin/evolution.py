@@ -27,12 +27,11 @@ from typing import Annotated
 import numpy as np
 from scipy.spatial.distance import cdist
 
-from moseg_core.cost import Cost
-from moseg_core.evaluation import Evaluator
-from moseg_core.parameters import Interval
-from moseg_core.protocols import Centers, Progress, Report, Seeding
+from moseg_core.components.cost import Cost
+from moseg_core.components.parameters import Interval
+from moseg_core.components.protocols import Centers, Evaluator, Progress, Report, Seeding
+from moseg_core.search.assignment import optimal_assignment
 from moseg_core.types import FloatArray, IntArray
-from moseg_core.unary import optimal_assignment
 
 
 class Evolution:
@@ -174,7 +173,8 @@ class _Genome:
         positions = np.repeat(shape.frame.center[None], partition.n_parts, axis=0)
         positions[self.leaders] = shape.points[person]
         vector = partition.encode(Centers(positions=positions, weights=np.ones(len(positions))))
-        return evaluator.constraints.led(vector)
+        whole: FloatArray = evaluator.constraints.led(vector)
+        return whole
 
     def centers(self, evaluator: Evaluator, person: IntArray) -> FloatArray:
         """(n, 3) float, model units: centres of all labels."""

@@ -11,8 +11,8 @@ import math
 
 import numpy as np
 
+from moseg_core.components.protocols import Evaluator
 from moseg_core.errors import UsageError
-from moseg_core.evaluation import Evaluator
 from moseg_core.types import FloatArray, IntArray
 
 _MOST_LABELS = 8

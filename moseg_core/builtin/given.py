@@ -12,10 +12,9 @@ import math
 import numpy as np
 from scipy.spatial import cKDTree
 
+from moseg_core.components.protocols import Centers, Evaluator, Report, Seeding
 from moseg_core.errors import UsageError, unknown
-from moseg_core.evaluation import Evaluator
-from moseg_core.protocols import Centers, Report, Seeding
-from moseg_core.shape import Shape
+from moseg_core.shape.shape import Shape
 from moseg_core.types import FloatArray
 
 

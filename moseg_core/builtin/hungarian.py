@@ -8,7 +8,7 @@ cost, four alike legs, the choice is the same every time.
 
 from __future__ import annotations
 
-from moseg_core.evaluation import Evaluator
+from moseg_core.components.protocols import Evaluator
 from moseg_core.types import FloatArray, IntArray
 
 
@@ -19,4 +19,5 @@ class Hungarian:
 
     def __call__(self, evaluator: Evaluator, vector: FloatArray) -> IntArray:
         """(n,) int: entry ``j`` is the centre that label ``j`` goes to."""
-        return evaluator.unary_costs(vector).assign()
+        order: IntArray = evaluator.unary_costs(vector).assign()
+        return order

@@ -16,11 +16,10 @@ from typing import Annotated
 
 import numpy as np
 
-from moseg_core.evaluation import Evaluator
-from moseg_core.kernels.diameter import farthest_pair
-from moseg_core.parameters import Interval
-from moseg_core.protocols import Centers, Progress, Report, Seeding
-from moseg_core.segmentation import Summary
+from moseg_core.builtin.diameter import farthest_pair
+from moseg_core.components.parameters import Interval
+from moseg_core.components.protocols import Centers, Evaluator, Progress, Report, Seeding
+from moseg_core.components.segmentation import Summary
 from moseg_core.types import BoolArray, FloatArray
 
 

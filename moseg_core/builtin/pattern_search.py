@@ -17,10 +17,10 @@ from typing import Annotated
 
 import numpy as np
 
-from moseg_core.cost import WORST, Cost
+from moseg_core.components.cost import WORST, Cost
+from moseg_core.components.parameters import Interval
+from moseg_core.components.protocols import Batch
 from moseg_core.errors import UsageError
-from moseg_core.parameters import Interval
-from moseg_core.protocols import Batch
 from moseg_core.types import FloatArray
 
 

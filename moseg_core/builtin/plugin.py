@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from moseg_core.hookspecs import hookimpl
-from moseg_core.specs import (
+from moseg_core.components.discovery.hookspecs import hookimpl
+from moseg_core.components.discovery.specs import (
     LabelerSpec,
     OptimizerSpec,
     ParameterizationSpec,
@@ -88,26 +88,28 @@ def moseg_optimizers() -> list[OptimizerSpec]:
 def moseg_readers() -> list[ReaderSpec]:
     """Polygon meshes, point clouds, voxel grids."""
     return [
-        ReaderSpec(name="off", target="moseg_core.io.off:read_off", suffixes=(".off",)),
-        ReaderSpec(name="ply", target="moseg_core.io.ply:read_ply", suffixes=(".ply",)),
-        ReaderSpec(name="obj", target="moseg_core.io.obj:read_obj", suffixes=(".obj",)),
-        ReaderSpec(name="stl", target="moseg_core.io.stl:read_stl", suffixes=(".stl",)),
-        ReaderSpec(name="glb", target="moseg_core.io.gltf_reader:read_glb", suffixes=(".glb",)),
-        ReaderSpec(name="xyz", target="moseg_core.io.clouds:read_xyz", suffixes=(".xyz",)),
-        ReaderSpec(name="csv", target="moseg_core.io.clouds:read_csv", suffixes=(".csv",)),
-        ReaderSpec(name="npy", target="moseg_core.io.grids:read_npy", suffixes=(".npy",)),
-        ReaderSpec(name="binvox", target="moseg_core.io.grids:read_binvox", suffixes=(".binvox",)),
+        ReaderSpec(name="off", target="moseg_core.io.read.off:read_off", suffixes=(".off",)),
+        ReaderSpec(name="ply", target="moseg_core.io.read.ply:read_ply", suffixes=(".ply",)),
+        ReaderSpec(name="obj", target="moseg_core.io.read.obj:read_obj", suffixes=(".obj",)),
+        ReaderSpec(name="stl", target="moseg_core.io.read.stl:read_stl", suffixes=(".stl",)),
+        ReaderSpec(name="glb", target="moseg_core.io.read.glb_scene:read_glb", suffixes=(".glb",)),
+        ReaderSpec(name="xyz", target="moseg_core.io.read.clouds:read_xyz", suffixes=(".xyz",)),
+        ReaderSpec(name="csv", target="moseg_core.io.read.clouds:read_csv", suffixes=(".csv",)),
+        ReaderSpec(name="npy", target="moseg_core.io.read.grids:read_npy", suffixes=(".npy",)),
+        ReaderSpec(
+            name="binvox", target="moseg_core.io.read.grids:read_binvox", suffixes=(".binvox",)
+        ),
     ]
 
 
 @hookimpl
 def moseg_writers() -> list[WriterSpec]:
     """Everything that a result can be saved as."""
-    module = "moseg_core.io.writers"
+    module = "moseg_core.io.write.formats"
     return [
         WriterSpec(
             name="json",
-            target=f"{module}:write_json",
+            target="moseg_core.io.result_json:write_json",
             suffixes=(".json",),
             summary="labels, cost by term, centres, history, versions",
         ),

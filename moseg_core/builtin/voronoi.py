@@ -3,7 +3,7 @@
 A segmentation of n parts is a vector of m = 4n numbers, position and weight of each centre,
 ``(x_1, y_1, z_1, w_1, ..., x_n, y_n, z_n, w_n)``. An element at ``p`` belongs to the centre with
 the least ``||p - c|| / w``. Where the adjacency is known the segments are kept connected by
-flooding from the centres (Algorithm 1, :mod:`moseg_core.kernels.flood`).
+flooding from the centres (Algorithm 1, :mod:`moseg_core.builtin.flood`).
 
 Vectors are in unit coordinates (bounding-box diagonal 1), so that one pattern size serves
 positions and weights alike. Source: Okabe et al., Spatial Tessellations, 2nd ed., 2000,
@@ -16,11 +16,11 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
-from moseg_core.kernels.flood import flood_labels, voronoi_labels
-from moseg_core.protocols import Centers
-from moseg_core.shape import Shape
+from moseg_core.builtin.flood import flood_labels, voronoi_labels
+from moseg_core.components.protocols import Centers
+from moseg_core.search.workers import available_workers
+from moseg_core.shape.shape import Shape
 from moseg_core.types import FloatArray, Int32Array, IntArray
-from moseg_core.workers import available_workers
 
 #: Below so many labels to find, threads take longer to start than they save.
 _WORTH_THREADS = 300_000

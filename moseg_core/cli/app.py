@@ -7,12 +7,12 @@ from typing import Annotated, Literal
 
 from cyclopts import App, Parameter
 
-from moseg_core import __version__
 from moseg_core.cli.plugin_app import plugin_app
+from moseg_core.components.discovery.contract import VERSION
 
 app = App(
     name="moseg",
-    version=f"moseg {__version__}",
+    version=f"moseg {VERSION}",
     help="Say what the parts of a shape are like; get the shape cut into named parts.",
     help_epilogue="Bundles bring further commands: see 'moseg plugin list'.",
     help_on_error=False,

@@ -15,10 +15,10 @@ from moseg_core.bench.run import Request, run_benchmark
 from moseg_core.bench.tables import Printed, all_tables, failures
 from moseg_core.cli.console import console, message
 from moseg_core.errors import UsageError
-from moseg_core.method import Method, settled
-from moseg_core.nested import check_hierarchy
-from moseg_core.recipe import Recipe, load_recipe
-from moseg_core.workers import available_workers, read_workers
+from moseg_core.problem.recipe import Recipe, load_recipe
+from moseg_core.problem.settings import Method, settled
+from moseg_core.search.levels import check_hierarchy
+from moseg_core.search.workers import available_workers, read_workers
 
 _USUAL = ("Fourleg=horse",)
 

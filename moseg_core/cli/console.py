@@ -16,8 +16,8 @@ from rich.progress import BarColumn, TextColumn, TimeElapsedColumn, TimeRemainin
 from rich.progress import Progress as Bars
 from rich.table import Table
 
-from moseg_core.aggregate import Evaluation
-from moseg_core.protocols import Progress, Report
+from moseg_core.components.protocols import Progress, Report
+from moseg_core.problem.aggregate import Evaluation
 
 _WIDTH_OFF_TERMINAL = 120
 

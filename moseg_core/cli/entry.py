@@ -9,8 +9,8 @@ from collections.abc import Sequence
 from cyclopts import CycloptsError
 
 from moseg_core.cli.app import app
+from moseg_core.components.discovery.registry import registry
 from moseg_core.errors import MosegError
-from moseg_core.plugins import registry
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

@@ -1,6 +1,6 @@
 """``moseg evaluate``: how well a labelling agrees with true ones.
 
-All measures of :mod:`moseg_core.metrics`, against each truth and on average over them, as the
+All measures of :mod:`moseg_core.agreement`, against each truth and on average over them, as the
 benchmark averages over the people who cut a model; and, where both sides have names, what is
 taken for what. A measure that is undefined for some truths is averaged over the others.
 """
@@ -16,13 +16,13 @@ from typing import Any
 import numpy as np
 from rich.table import Table
 
+from moseg_core.agreement import Agreement, Confusion, EdgeGraph, compare, confusion, fold, renamed
 from moseg_core.cli.console import console, message, print_json
 from moseg_core.cli.reading import read_shape
 from moseg_core.errors import UsageError, nearest
 from moseg_core.io import Labelling, read_labels
-from moseg_core.mesh import PolygonMesh
-from moseg_core.metrics import Agreement, Confusion, EdgeGraph, compare, confusion, fold, renamed
-from moseg_core.shape import Shape
+from moseg_core.shape.mesh import PolygonMesh
+from moseg_core.shape.shape import Shape
 
 # Of each measure the heading, in two lines so that all fit beside each other in 100 columns.
 _HEADINGS = {

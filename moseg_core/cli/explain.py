@@ -10,11 +10,11 @@ import numpy as np
 from moseg_core.cli.console import console, message, print_json, terms_table
 from moseg_core.cli.reading import read_shape
 from moseg_core.cli.request import Asked, read_task
+from moseg_core.components.segmentation import Segmentation
 from moseg_core.errors import UsageError, unknown
 from moseg_core.io import Labelling, read_labels, read_result
-from moseg_core.io.writers import evaluation_document
-from moseg_core.result import find_warnings
-from moseg_core.segmentation import Segmentation
+from moseg_core.io.result_json import evaluation_document
+from moseg_core.search.result import find_warnings
 from moseg_core.types import IntArray
 
 

@@ -12,7 +12,7 @@ from typing import Any
 from rich.console import Console
 from rich.text import Text
 
-from moseg_core.plugins import Bundle, registry
+from moseg_core.components.discovery.registry import Bundle, registry
 
 _WIDTH_OFF_TERMINAL = 120
 #: Characters that a summary has on a line at least, however narrow the terminal.

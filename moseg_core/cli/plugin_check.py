@@ -1,7 +1,7 @@
 """``moseg plugin check``: the contract kit on an installed bundle, what failed first.
 
 Nothing of the bundle is imported here; it runs in a process of its own
-(:mod:`moseg_core.testing.watch`).
+(:mod:`moseg_core.testing.processes.watching_parent`).
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ from rich.text import Text
 from moseg_core.cli.console import console, print_json
 from moseg_core.errors import PluginError
 from moseg_core.testing import CHECKS
+from moseg_core.testing.processes.watching_parent import Announce, Report, watch_checks
 from moseg_core.testing.run import Outcome, Status, load_checks
-from moseg_core.testing.watch import Announce, Report, watch_checks
 
 
 def run_check(bundle: str, *, as_json: bool, timeout: float) -> None:

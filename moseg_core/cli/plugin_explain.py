@@ -12,9 +12,16 @@ from rich.table import Table
 from rich.text import Text
 
 from moseg_core.cli.console import console, print_json
+from moseg_core.components.discovery.registry import Component, registry
+from moseg_core.components.explanation import (
+    Explained,
+    bounds,
+    default,
+    explain_component,
+    plain,
+    span,
+)
 from moseg_core.errors import PluginError, UsageError, unknown
-from moseg_core.explained import Explained, bounds, default, explain_component, plain, span
-from moseg_core.plugins import Component, registry
 
 #: Sections of a docstring that are shown, under these titles.
 _SHOWN = {"Returns": "value", "Raises": "raises", "Notes": "notes", "References": "references"}

@@ -5,8 +5,8 @@ from __future__ import annotations
 import importlib.util
 from pathlib import Path
 
-from moseg_core.installed import installed_points, read_claims
-from moseg_core.scaffold import check_name, words, write_bundle
+from moseg_core.cli.scaffold import check_name, words, write_bundle
+from moseg_core.components.discovery.distributions import installed_points, read_claims
 
 
 def run_new(name: str, *, kind: str, out: Path | None) -> None:

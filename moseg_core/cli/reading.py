@@ -7,8 +7,8 @@ from typing import get_args
 
 from moseg_core.errors import UsageError, unknown
 from moseg_core.io import load
-from moseg_core.shape import Shape
-from moseg_core.voxels import Elements
+from moseg_core.shape.shape import Shape
+from moseg_core.shape.voxels import Elements
 
 
 def read_shape(
@@ -22,9 +22,9 @@ def read_shape(
     voxels : str
         "solid" or "surface": which cells of a voxel grid are elements; nothing to other shapes.
     adjacency : str
-        See :meth:`moseg_core.shape.Shape.with_adjacency`.
+        See :meth:`moseg_core.shape.shape.Shape.with_adjacency`.
     volume : str or None
-        See :meth:`moseg_core.shape.Shape.with_volume`.
+        See :meth:`moseg_core.shape.shape.Shape.with_volume`.
 
     Raises
     ------

@@ -9,9 +9,9 @@ from rich.table import Table
 from rich.text import Text
 
 from moseg_core.cli.console import console, print_json
+from moseg_core.components.discovery.registry import Component, registry
 from moseg_core.errors import MosegError, PluginError
-from moseg_core.plugins import Component, registry
-from moseg_core.recipe import Recipe, parse_recipe
+from moseg_core.problem.recipe import Recipe, parse_recipe
 
 
 def run_recipes(name: str | None, *, as_json: bool) -> None:

@@ -8,14 +8,14 @@ from pathlib import Path
 
 import numpy as np
 
-from moseg_core.choice import Choice
+from moseg_core.components.chosen import Choice
+from moseg_core.components.discovery.registry import registry
 from moseg_core.errors import UsageError
-from moseg_core.hierarchy import Hierarchy
-from moseg_core.io.saved import SavedResult, read_result
-from moseg_core.method import Method
-from moseg_core.plugins import registry
-from moseg_core.problem import Problem
-from moseg_core.recipe import load_recipe, said_in_full
+from moseg_core.io.result_json import SavedResult, read_result
+from moseg_core.problem.hierarchy import Hierarchy
+from moseg_core.problem.problem import Problem
+from moseg_core.problem.recipe import load_recipe, said_in_full
+from moseg_core.problem.settings import Method
 
 
 @dataclass(frozen=True, kw_only=True)

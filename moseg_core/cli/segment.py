@@ -12,21 +12,23 @@ from typing import Any
 import numpy as np
 from rich.table import Table
 
-from moseg_core.choice import Choice
 from moseg_core.cli.console import console, message, print_json, progress_reporter, terms_table
 from moseg_core.cli.interrupt import stop_on_interrupt
 from moseg_core.cli.reading import read_shape
 from moseg_core.cli.request import Asked, read_pins, read_start, read_task
-from moseg_core.clipping import check_clippable, check_parameterization, clip
+from moseg_core.clipping.clip import check_clippable
+from moseg_core.components.chosen import Choice
 from moseg_core.errors import MosegError, UsageError
 from moseg_core.io.files import check_output, save
-from moseg_core.io.writers import check_writable, evaluation_document
-from moseg_core.method import read_resolution
-from moseg_core.nested import check_hierarchy, segment_hierarchy
-from moseg_core.pipeline import check_frozen, check_limits, matched_centers, prepare_method
-from moseg_core.result import Result
-from moseg_core.waiting import naming_slow_calls
-from moseg_core.workers import available_workers, read_workers
+from moseg_core.io.result_json import evaluation_document
+from moseg_core.io.write.formats import check_writable
+from moseg_core.problem.settings import read_resolution
+from moseg_core.problem.slow_calls import naming_slow_calls
+from moseg_core.search.clipped_result import check_parameterization, clip
+from moseg_core.search.levels import check_hierarchy, segment_hierarchy
+from moseg_core.search.result import Result
+from moseg_core.search.segment import check_frozen, check_limits, matched_centers, prepare_method
+from moseg_core.search.workers import available_workers, read_workers
 
 #: Seconds after which an objective that has not answered is named.
 PATIENCE = 10.0

@@ -6,10 +6,10 @@ In a multiplicatively weighted Voronoi partition (Sec. 4) a point ``x`` is at th
     q_i(x) = s_i ||x - c_i||^2.
 
 The bisector of ``i`` and ``j`` is ``q_i = q_j``: a plane where the weights are equal, else a sphere
-of Apollonius. Along an edge it is a quadratic equation in one unknown, solved here in closed
-form; the point of a triangle where three centres are equally near is found by Newton's method.
-:mod:`moseg_core.clipping` asks the one question of edges and the other of faces that straddle a
-boundary.
+of Apollonius. Along an edge it is a quadratic equation in one unknown, solved here in closed form;
+the point of a triangle where three centres are equally near is found by Newton's method.
+:mod:`moseg_core.clipping.clip` asks the one question of edges and the other of faces that straddle
+a boundary.
 
 Source: Okabe et al., Spatial Tessellations, 2nd ed., 2000, Sec. 3.1.
 """

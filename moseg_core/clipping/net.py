@@ -22,7 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from moseg_core.clipping.bisector import Bisectors
-from moseg_core.mesh import PolygonMesh
+from moseg_core.shape.mesh import PolygonMesh
 from moseg_core.types import BoolArray, FloatArray, IntArray
 
 #: A face is nearer to another centre if its squared distance is less by more than rounding.

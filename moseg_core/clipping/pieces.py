@@ -20,9 +20,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from moseg_core.adjacency import ranges
 from moseg_core.clipping.net import Cuts, Net
-from moseg_core.mesh import PolygonMesh
+from moseg_core.shape.adjacency import ranges
+from moseg_core.shape.mesh import PolygonMesh
 from moseg_core.types import BoolArray, FloatArray, IntArray
 
 #: A cut this near to an end of its edge, in lengths of the edge, is made at the vertex.

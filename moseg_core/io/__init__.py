@@ -1,8 +1,8 @@
 """Files in and out: shapes by :func:`load`, results by :func:`save`, labellings by suffix."""
 
 from moseg_core.io.files import load, save, write_file
-from moseg_core.io.labels import Labelling, encode_named_labels, encode_seg, read_labels
-from moseg_core.io.saved import SavedResult, read_result
+from moseg_core.io.label_files import Labelling, encode_named_labels, encode_seg, read_labels
+from moseg_core.io.result_json import SavedResult, read_result
 
 __all__ = [
     "Labelling",

@@ -1,8 +1,8 @@
 """Reading shapes and writing results, by suffix; the only place that touches the disk.
 
-Readers and writers are components (:mod:`moseg_core.specs`), so that a bundle can add formats.
-A file is written beside its destination and renamed when it is whole: a run that dies leaves
-either the old file or none.
+Readers and writers are components (:mod:`moseg_core.components.discovery.specs`), so that a bundle
+can add formats. A file is written beside its destination and renamed when it is whole: a run that
+dies leaves either the old file or none.
 """
 
 from __future__ import annotations
@@ -11,10 +11,10 @@ import os
 import tempfile
 from pathlib import Path
 
+from moseg_core.components.discovery.registry import Component, Registry, registry
 from moseg_core.errors import MosegError, PluginError, ShapeError, UsageError
-from moseg_core.plugins import Component, Registry, registry
-from moseg_core.result import Result
-from moseg_core.shape import Shape
+from moseg_core.search.result import Result
+from moseg_core.shape.shape import Shape
 
 
 def load(path: str | os.PathLike[str], *, source: Registry | None = None) -> Shape:

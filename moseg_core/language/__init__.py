@@ -9,7 +9,7 @@
 
 Text goes through :mod:`~moseg_core.language.tokens` (characters to tokens with positions) and
 :mod:`~moseg_core.language.parser` (tokens to :mod:`~moseg_core.language.terms`), and back again
-with ``str``. What the names mean is decided by :mod:`moseg_core.problem`.
+with ``str``. What the names mean is decided by :mod:`moseg_core.problem.problem`.
 """
 
 from moseg_core.language.parser import parse, parse_call, parse_constraint

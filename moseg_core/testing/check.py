@@ -12,8 +12,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from moseg_core.plugins import Component, Registry
-from moseg_core.specs import Kind
+from moseg_core.components.discovery.registry import Component, Registry
+from moseg_core.components.discovery.specs import Kind
 
 
 class ContractFailure(AssertionError):  # noqa: N818  # a failed test, as AssertionError is

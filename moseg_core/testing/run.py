@@ -12,8 +12,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
+from moseg_core.components.discovery.registry import Registry, describe, registry
 from moseg_core.errors import PluginError, UsageError, unknown
-from moseg_core.plugins import Registry, describe, registry
 from moseg_core.testing.check import CHECKS, Check, ContractFailure, Skip, Subject
 
 Status = Literal["passed", "failed", "skipped", "expected", "warned"]
@@ -175,7 +175,7 @@ def load_checks() -> tuple[Check, ...]:
     >>> load_checks()[0].id
     'target-resolves'
     """
-    modules = [importlib.import_module(f"moseg_core.testing.{name}") for name in _MODULES]
+    modules = [importlib.import_module(f"moseg_core.testing.checks.{name}") for name in _MODULES]
     place = {module.__name__: k for k, module in enumerate(modules)}
     last = len(place)
     found = sorted(CHECKS.values(), key=lambda check: place.get(check.run.__module__, last))

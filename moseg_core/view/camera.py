@@ -26,7 +26,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
-from moseg_core.geometry import Geometry
+from moseg_core.shape.geometry import Geometry
 from moseg_core.types import FloatArray
 
 _YAW, _PITCH = np.radians(30.0), np.radians(20.0)
@@ -106,7 +106,7 @@ def choose_cameras(
 
     Examples
     --------
-    >>> from moseg_core.mesh import PolygonMesh
+    >>> from moseg_core.shape.mesh import PolygonMesh
     >>> square = PolygonMesh.from_faces([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]],
     ...                                 [[0, 1, 2, 3]])
     >>> main, opposite = choose_cameras(square, width=200, height=100)

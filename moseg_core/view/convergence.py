@@ -26,8 +26,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from moseg_core.errors import UsageError, unknown
-from moseg_core.palette import part_colors
 from moseg_core.view.chart import Curve, Panel, draw_chart, draw_message
+from moseg_core.view.palette import part_colors
 from moseg_core.view.scene import Color, Scene
 
 FORMATS = ("svg", "png")

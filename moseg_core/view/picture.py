@@ -2,7 +2,7 @@
 
 A shape is drawn from two opposite sides (:mod:`moseg_core.view.camera`) next to each other, each
 part in its own colour (:mod:`moseg_core.view.palette`), above a legend of names and shares of the
-area. Each view is one z-buffer at three times the final size (:mod:`moseg_core.kernels.raster`),
+area. Each view is one z-buffer at three times the final size (:mod:`moseg_core.view.raster`),
 from which follow
 
 - the light: diffuse, from over the viewer's left shoulder, over a soft ambient, on the side of a
@@ -25,13 +25,14 @@ import numpy.typing as npt
 from scipy import ndimage
 
 from moseg_core.errors import UsageError
-from moseg_core.geometry import Geometry
-from moseg_core.kernels.raster import interpolate, rasterize
-from moseg_core.normals import corner_normals
-from moseg_core.palette import checked_labels, linear_light, part_colors
+from moseg_core.shape.geometry import Geometry
+from moseg_core.shape.labels import checked_labels
 from moseg_core.types import BoolArray, FloatArray, Int32Array, IntArray
 from moseg_core.view.camera import Camera, choose_cameras
 from moseg_core.view.legend import LegendEntry, draw_legend, draw_title
+from moseg_core.view.normals import corner_normals
+from moseg_core.view.palette import linear_light, part_colors
+from moseg_core.view.raster import interpolate, rasterize
 
 _SMALLEST, _LARGEST = (240, 160), (4000, 2000)
 
@@ -83,7 +84,7 @@ def render_picture(
 
     Examples
     --------
-    >>> from moseg_core.mesh import PolygonMesh
+    >>> from moseg_core.shape.mesh import PolygonMesh
     >>> square = PolygonMesh.from_faces([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]],
     ...                                 [[0, 1, 2, 3]])
     >>> render_picture(square, [0], ["all of it"])[1:4]

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from moseg_core.result import Result
-from moseg_core.splats import drawable
+from moseg_core.search.result import Result
 from moseg_core.view.convergence import render_convergence
 from moseg_core.view.picture import render_picture
+from moseg_core.view.point_bodies import drawable
 
 
 def write_png(result: Result) -> bytes:

@@ -10,6 +10,7 @@ from statistics import fmean
 import numpy as np
 import pytest
 
+from moseg_core.agreement import rand_index_error
 from moseg_core.bench import cases
 from moseg_core.bench.cases import Case, cluster, run_case
 from moseg_core.bench.names import Naming
@@ -19,8 +20,7 @@ from moseg_core.cli import main
 from moseg_core.cli.benchmark import read_recipes, read_seeds
 from moseg_core.errors import UsageError
 from moseg_core.io import load, read_labels
-from moseg_core.metrics import rand_index_error
-from moseg_core.recipe import load_recipe
+from moseg_core.problem.recipe import load_recipe
 
 
 def silent(progress):

@@ -11,11 +11,11 @@ from hypothesis import strategies as st
 
 from moseg_core.builtin.evolution import Evolution, cross, mutate
 from moseg_core.builtin.voronoi import Voronoi
-from moseg_core.cost import Cost
-from moseg_core.evaluation import Evaluator
-from moseg_core.problem import Problem
-from moseg_core.protocols import Centers, Seeder
-from moseg_core.shape import Shape
+from moseg_core.components.cost import Cost
+from moseg_core.components.protocols import Centers, Seeder
+from moseg_core.problem.problem import Problem
+from moseg_core.search.evaluator import ProblemEvaluator
+from moseg_core.shape.shape import Shape
 from tests import shapes
 
 SHAPE = Shape.from_mesh(*shapes.jitter(shapes.tee(), 5))
@@ -23,9 +23,9 @@ LABELS = ("stem", "bar", "rest")
 TEXT = "2*narrow(stem) + compact(bar) - 0.5*flat(rest) + similar_proportions(stem, bar)"
 
 
-def evaluator_of(shape: Shape = SHAPE, text: str = TEXT) -> Evaluator:
+def evaluator_of(shape: Shape = SHAPE, text: str = TEXT) -> ProblemEvaluator:
     problem = Problem(LABELS, text)
-    return Evaluator(shape, problem, Voronoi(shape, len(LABELS)))
+    return ProblemEvaluator(shape, problem, Voronoi(shape, len(LABELS)))
 
 
 def quiet(progress) -> bool:

@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 from moseg_core.builtin.given import Given, parse_centers
 from moseg_core.builtin.voronoi import Voronoi
 from moseg_core.errors import UsageError
-from moseg_core.evaluation import Evaluator
-from moseg_core.problem import Problem
-from moseg_core.shape import Shape
+from moseg_core.problem.problem import Problem
+from moseg_core.search.evaluator import ProblemEvaluator
+from moseg_core.shape.shape import Shape
 from tests import shapes
 
 number = st.floats(-1e9, 1e9)
@@ -49,7 +49,7 @@ def test_mistakes_are_named(text, says):
 def run(centers):
     shape = Shape.from_mesh(*shapes.strip(10))
     problem = Problem(["a", "b"], "narrow(a)")
-    evaluator = Evaluator(shape, problem, Voronoi(shape, 2))
+    evaluator = ProblemEvaluator(shape, problem, Voronoi(shape, 2))
     return Given(centers=centers)(evaluator, rng=np.random.default_rng(0), report=lambda p: False)
 
 
@@ -68,7 +68,7 @@ def test_a_centre_that_gets_nothing_is_refused_by_name():
 def test_its_example_places_every_label_on_an_element(n):
     shape = Shape.from_mesh(*shapes.strip(8))
     labels = ["a", "b", "c"][:n]
-    evaluator = Evaluator(shape, Problem(labels, "narrow(a)"), Voronoi(shape, n))
+    evaluator = ProblemEvaluator(shape, Problem(labels, "narrow(a)"), Voronoi(shape, n))
     places = parse_centers(Given.example(evaluator)["centers"], tuple(labels))
     assert len({tuple(place) for place in places.tolist()}) == n
     assert all(place in shape.points.tolist() for place in places.tolist())

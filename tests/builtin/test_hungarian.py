@@ -13,13 +13,13 @@ from hypothesis.extra import numpy as hnp
 
 from moseg_core.builtin.hungarian import Hungarian
 from moseg_core.builtin.voronoi import Voronoi
-from moseg_core.evaluation import Evaluator
-from moseg_core.objectives import objective
-from moseg_core.part import Part
-from moseg_core.problem import Problem
-from moseg_core.protocols import Centers, Labeler
-from moseg_core.shape import Shape
-from moseg_core.unary import optimal_assignment
+from moseg_core.components.objectives import objective
+from moseg_core.components.part import Part
+from moseg_core.components.protocols import Centers, Labeler
+from moseg_core.problem.problem import Problem
+from moseg_core.search.assignment import optimal_assignment
+from moseg_core.search.evaluator import ProblemEvaluator
+from moseg_core.shape.shape import Shape
 from tests import shapes
 from tests.references import least_assignment_cost
 
@@ -62,7 +62,7 @@ def test_centres_in_any_order_get_the_labels_that_suit_them(start):
         "off(small, size=1) + 2*off(large, size=9) + off(middle, size=4)",
         objectives={"off": off},
     )
-    evaluator = Evaluator(shape, problem, Voronoi(shape, 3))
+    evaluator = ProblemEvaluator(shape, problem, Voronoi(shape, 3))
     vector = evaluator.parameterization.encode(Centers(positions=positions, weights=np.ones(3)))
     labeler = Hungarian()
     assert isinstance(labeler, Labeler)
@@ -81,7 +81,7 @@ def test_centres_in_any_order_get_the_labels_that_suit_them(start):
 def test_empty_parts_take_the_labels_that_cost_least_without_a_part(text):
     shape = Shape.from_mesh(*shapes.strip(6))
     problem = Problem(["a", "b", "c"], text, objectives={"off": off})
-    evaluator = Evaluator(shape, problem, Voronoi(shape, 3))
+    evaluator = ProblemEvaluator(shape, problem, Voronoi(shape, 3))
     positions = np.array([[0.5, 0.5, 0], [0.5, 0.5, 0], [3.0, 0.5, 0]])  # the second is empty
     vector = evaluator.parameterization.encode(Centers(positions=positions, weights=np.ones(3)))
 

@@ -11,12 +11,12 @@ from hypothesis import strategies as st
 
 from moseg_core.builtin.kmeans import KMeans, furthest_points
 from moseg_core.builtin.voronoi import Voronoi
-from moseg_core.evaluation import Evaluator
-from moseg_core.objectives import objective
-from moseg_core.part import Part
-from moseg_core.problem import Problem
-from moseg_core.protocols import Centers, Seeder
-from moseg_core.shape import Shape
+from moseg_core.components.objectives import objective
+from moseg_core.components.part import Part
+from moseg_core.components.protocols import Centers, Seeder
+from moseg_core.problem.problem import Problem
+from moseg_core.search.evaluator import ProblemEvaluator
+from moseg_core.shape.shape import Shape
 from tests import references, shapes
 
 MESHES = {
@@ -36,7 +36,7 @@ def nothing(part: Part) -> float:
 
 def run(shape, n, *, parameterization=None, reports=None, **parameters):
     problem = Problem([f"p{k}" for k in range(n)], "nothing(p0)", objectives={"nothing": nothing})
-    evaluator = Evaluator(shape, problem, parameterization or Voronoi(shape, n))
+    evaluator = ProblemEvaluator(shape, problem, parameterization or Voronoi(shape, n))
     report = (lambda progress: None) if reports is None else reports.append
     return KMeans(**parameters)(evaluator, rng=np.random.default_rng(0), report=report)
 

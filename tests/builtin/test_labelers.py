@@ -13,14 +13,14 @@ from moseg_core.builtin.exhaustive import Exhaustive
 from moseg_core.builtin.greedy import Greedy
 from moseg_core.builtin.hungarian import Hungarian
 from moseg_core.builtin.voronoi import Voronoi
+from moseg_core.components.objectives import objective
+from moseg_core.components.part import Part
+from moseg_core.components.protocols import Centers, Labeler
+from moseg_core.components.segmentation import Segmentation
 from moseg_core.errors import UsageError
-from moseg_core.evaluation import Evaluator
-from moseg_core.objectives import objective
-from moseg_core.part import Part
-from moseg_core.problem import Problem
-from moseg_core.protocols import Centers, Labeler
-from moseg_core.segmentation import Segmentation
-from moseg_core.shape import Shape
+from moseg_core.problem.problem import Problem
+from moseg_core.search.evaluator import ProblemEvaluator
+from moseg_core.shape.shape import Shape
 from tests import shapes
 
 N = 4
@@ -64,7 +64,7 @@ def evaluator_with(unary, pairs=None, overall=0.0):
         own |= {"pair": pair, "whole": whole}
         text += ["2*pair(a, c)", "pair(d, b)", "whole"]
     problem = Problem(NAMES, " + ".join(text), objectives=own)
-    return Evaluator(STRIP, problem, voronoi), vector
+    return ProblemEvaluator(STRIP, problem, voronoi), vector
 
 
 def _middles(labels):
@@ -137,7 +137,7 @@ def test_greedy_refuses_an_order_it_cannot_follow(order, says):
 def test_exhaustive_refuses_nine_labels_with_the_count():
     shape = Shape.from_mesh(*shapes.strip(12))
     problem = Problem([f"p{k}" for k in range(9)], "narrow(p0)")
-    evaluator = Evaluator(shape, problem, Voronoi(shape, 9))
+    evaluator = ProblemEvaluator(shape, problem, Voronoi(shape, 9))
     with pytest.raises(UsageError, match="362880 assignments of 9 labels"):
         Exhaustive()(evaluator, np.ones(36))
 

@@ -13,15 +13,15 @@ from hypothesis import strategies as st
 
 from moseg_core.builtin.pattern_search import PatternSearch
 from moseg_core.builtin.voronoi import Voronoi
-from moseg_core.cost import Cost
+from moseg_core.components.cost import Cost
+from moseg_core.components.memo import Memo
+from moseg_core.components.objectives import objective
+from moseg_core.components.part import Part
+from moseg_core.components.protocols import Centers, Optimizer
 from moseg_core.errors import UsageError
-from moseg_core.evaluation import Evaluator
-from moseg_core.memo import Memo
-from moseg_core.objectives import objective
-from moseg_core.part import Part
-from moseg_core.problem import Problem
-from moseg_core.protocols import Centers, Optimizer
-from moseg_core.shape import Shape
+from moseg_core.problem.problem import Problem
+from moseg_core.search.evaluator import ProblemEvaluator
+from moseg_core.shape.shape import Shape
 from tests import references, shapes
 
 
@@ -342,7 +342,7 @@ def test_a_segmentation_is_searched_as_literally(text):
         return tuple(problem.evaluate(shape, labels, memo=Memo(size=0)).cost)
 
     voronoi = Voronoi(shape, 2)
-    evaluator = Evaluator(shape, problem, voronoi)
+    evaluator = ProblemEvaluator(shape, problem, voronoi)
     at = Centers(positions=shape.points[[3, 12]], weights=np.ones(2))
     start = voronoi.encode(at)
     parameters = {"threshold": 5e-3, "pattern_size": 0.2}

@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from moseg_core.builtin.voronoi import Voronoi
-from moseg_core.protocols import Centers, Parameterization
-from moseg_core.shape import Shape
+from moseg_core.components.protocols import Centers, Parameterization
+from moseg_core.shape.shape import Shape
 from tests import shapes
 from tests.references import connected_partition, edge_neighbors, voronoi_partition
 

@@ -10,7 +10,7 @@ import pytest
 
 from moseg_core import Problem, Shape, clip, load, sample_path, save, segment
 from moseg_core.errors import ShapeError, UsageError
-from moseg_core.io.ply import read_ply, read_ply_labels
+from moseg_core.io.read.ply import read_ply, read_ply_labels
 from tests.clipping.checks import assert_valid, is_closed, polygon_areas
 
 QUICK = ("--seeder", "kmeans", "--optimizer", "pattern_search(max_evaluations=30)")
@@ -62,7 +62,7 @@ def test_surfaces_are_clipped_and_labels_are_not(moseg, mallet, tmp_path):
 def test_other_parameterizations_are_refused_before_the_search(
     moseg, mallet, monkeypatch, tmp_path
 ):
-    monkeypatch.setattr("moseg_core.clipping.PARAMETERIZATION", "acme:bisectors")
+    monkeypatch.setattr("moseg_core.search.clipped_result.PARAMETERIZATION", "acme:bisectors")
     out = tmp_path / "x.ply"
     run = moseg("segment", mallet, "--recipe", "hammer", "--clip", "-o", out)
     assert run.code == 2

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import moseg_core
+from moseg_core.agreement import Agreement, named_right, rand_index_error
 from moseg_core.cli.evaluate import read_rename
 from moseg_core.errors import UsageError
 from moseg_core.io import encode_named_labels, encode_seg
-from moseg_core.metrics import Agreement, named_right, rand_index_error
 
 NUMBERS = [name for name in Agreement.__dataclass_fields__ if name != "named_right"]
 

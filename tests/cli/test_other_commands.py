@@ -6,7 +6,7 @@ import json
 
 import pytest
 
-from moseg_core.plugins import registry
+from moseg_core.components.discovery.registry import registry
 
 
 @pytest.fixture

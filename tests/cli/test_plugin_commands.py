@@ -7,9 +7,9 @@ import json
 import pytest
 
 from moseg_core.cli import plugin_check
-from moseg_core.plugins import registry
+from moseg_core.components.discovery.registry import registry
 from moseg_core.testing import CHECKS, Check, Outcome
-from moseg_core.testing.watch import Report
+from moseg_core.testing.processes.watching_parent import Report
 
 
 def test_new_writes_a_bundle_and_says_what_is_next(moseg, tmp_path, monkeypatch):
@@ -67,7 +67,7 @@ def test_explain_an_objective(moseg):
         "unchanged by order, reflection, rigid, scale, tessellation",
         "cost cheap",
         "from moseg-objectives-basic 0.1.0",
-        "target moseg_objectives_basic.share:area_fraction",
+        "target moseg_objectives_basic.area:area_fraction",
         "max(min - share, share - max, 0)",
     ):
         assert words in text, words

@@ -8,8 +8,8 @@ import types
 import pytest
 
 from moseg_core import RecipeSpec
-from moseg_core.plugins import Bundle, Component, Registry, registry
-from moseg_core.recipe import load_recipe
+from moseg_core.components.discovery.registry import Bundle, Component, Registry, registry
+from moseg_core.problem.recipe import load_recipe
 
 
 def test_lists_what_is_installed(moseg):

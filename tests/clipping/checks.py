@@ -13,8 +13,8 @@ from collections import Counter, defaultdict
 
 import numpy as np
 
-from moseg_core.clipping import Clipped
-from moseg_core.mesh import PolygonMesh
+from moseg_core.clipping.clip import Clipped
+from moseg_core.shape.mesh import PolygonMesh
 
 SNAP = 1e-4
 

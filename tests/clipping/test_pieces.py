@@ -8,7 +8,7 @@ import pytest
 from moseg_core.clipping.bisector import Bisectors
 from moseg_core.clipping.net import Cuts, Net
 from moseg_core.clipping.pieces import divide
-from moseg_core.mesh import PolygonMesh
+from moseg_core.shape.mesh import PolygonMesh
 from tests.clipping.checks import polygon_areas
 
 # A corner at the origin and one along each of x and y; positions are numbered in order of x, y, z.

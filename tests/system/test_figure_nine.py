@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import moseg_core as moseg
+from moseg_core.agreement import named_right, rand_index_error
 from moseg_core.io import read_labels
-from moseg_core.metrics import named_right, rand_index_error
 
 CONSTRAINED = {"bulldog": (14, 24), "dove": (10, 16)}
 

@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from moseg_core.metrics import rand_index_error
+from moseg_core.agreement import rand_index_error
 
 MODELS = os.environ.get("MOSEG_PSB")
 pytestmark = [

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import pytest
 
-from moseg_core.scaffold import SKETCHES
+from moseg_core.cli.scaffold import SKETCHES
 
 ROOT = Path(__file__).parents[2]
 PIP = ("-m", "pip", "--disable-pip-version-check", "--quiet")

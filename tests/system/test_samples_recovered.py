@@ -11,8 +11,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import moseg_core as moseg
+from moseg_core.agreement import named_right, rand_index_error
 from moseg_core.io import read_labels
-from moseg_core.metrics import named_right, rand_index_error
 
 
 def _truth(name: str, n_elements: int):

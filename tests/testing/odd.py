@@ -5,10 +5,10 @@ from __future__ import annotations
 import os
 from typing import Annotated
 
-from moseg_core.objectives import Traits, objective
-from moseg_core.parameters import Interval
-from moseg_core.part import Part
-from moseg_core.rules import constraint
+from moseg_core.components.constraint_function import constraint
+from moseg_core.components.objectives import Traits, objective
+from moseg_core.components.parameters import Interval
+from moseg_core.components.part import Part
 
 
 @constraint(start=[0.3, 1.0])

@@ -7,10 +7,10 @@ from typing import Annotated
 import numpy as np
 
 from moseg_core.builtin.voronoi import Voronoi
-from moseg_core.cost import Cost
+from moseg_core.components.cost import Cost
+from moseg_core.components.parameters import Interval
+from moseg_core.components.protocols import Batch, Centers
 from moseg_core.errors import UsageError
-from moseg_core.parameters import Interval
-from moseg_core.protocols import Batch, Centers
 
 
 class Unweighted:

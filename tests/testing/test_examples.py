@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import pytest
 
-from moseg_core.plugins import Bundle, Component, Registry, registry
-from moseg_core.protocols import Seeding
-from moseg_core.specs import SeederSpec
+from moseg_core.components.discovery.registry import Bundle, Component, Registry, registry
+from moseg_core.components.discovery.specs import SeederSpec
+from moseg_core.components.protocols import Seeding
 from moseg_core.testing import Subject, cases_of, run_cases
 from moseg_core.testing.check import Skip
-from moseg_core.testing.stages import evaluator
-from moseg_core.testing.trials import values_for
+from moseg_core.testing.fixtures.problems import evaluator
+from moseg_core.testing.fixtures.trial import values_for
 
 HERE = "tests.testing.test_examples"
 

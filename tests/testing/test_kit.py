@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from moseg_core.plugins import Bundle, Component, Registry, registry
-from moseg_core.specs import ConstraintSpec, ObjectiveSpec
+from moseg_core.components.discovery.registry import Bundle, Component, Registry, registry
+from moseg_core.components.discovery.specs import ConstraintSpec, ObjectiveSpec
 from moseg_core.testing import CHECKS, cases_of, parametrize_contract, run_cases
 
 HOME = "tests.testing.broken"

@@ -6,8 +6,8 @@ import importlib
 
 import pytest
 
-from moseg_core.plugins import Bundle, Component, Registry, registry
-from moseg_core.specs import (
+from moseg_core.components.discovery.registry import Bundle, Component, Registry, registry
+from moseg_core.components.discovery.specs import (
     ConstraintSpec,
     EmbeddingSpec,
     OptimizerSpec,

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
+from moseg_core.components.discovery.registry import Bundle, Component, Registry, registry
+from moseg_core.components.discovery.specs import MeasureSpec
 from moseg_core.errors import PluginError, UsageError
-from moseg_core.plugins import Bundle, Component, Registry, registry
-from moseg_core.specs import MeasureSpec
 from moseg_core.testing import CHECKS, Case, Check, ContractFailure, Subject, cases_of, check
 from moseg_core.testing.check import Skip
 
@@ -98,7 +98,7 @@ def test_checks_come_in_one_order_whatever_was_imported_first():
     found = []
     for first in ("general", "optimizers", "declarations"):
         code = (
-            f"import moseg_core.testing.{first}; from moseg_core.testing import load_checks;"
+            f"import moseg_core.testing.checks.{first}; from moseg_core.testing import load_checks;"
             "print([check.id for check in load_checks()])"
         )
         done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 from scipy.spatial.transform import Rotation
 
-from moseg_core.mesh import PolygonMesh
+from moseg_core.shape.mesh import PolygonMesh
 from moseg_core.view.camera import Camera, choose_cameras, standing_axes
 
 

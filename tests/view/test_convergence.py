@@ -11,8 +11,8 @@ import pytest
 from PIL import Image
 
 from moseg_core.errors import UsageError
-from moseg_core.palette import part_colors
 from moseg_core.view.convergence import render_convergence
+from moseg_core.view.palette import part_colors
 
 SVG = "{http://www.w3.org/2000/svg}"
 

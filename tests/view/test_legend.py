@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from PIL import Image, ImageDraw
 
-from moseg_core.palette import part_colors
 from moseg_core.view.legend import LegendEntry, draw_legend, draw_title
+from moseg_core.view.palette import part_colors
 
 
 def drawn(size, paint):

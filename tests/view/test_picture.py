@@ -11,9 +11,9 @@ from PIL import Image
 from scipy.spatial.transform import Rotation
 
 from moseg_core.errors import ShapeError, UsageError
-from moseg_core.mesh import PolygonMesh
-from moseg_core.normals import corner_normals
-from moseg_core.palette import linear_light, part_colors
+from moseg_core.shape.mesh import PolygonMesh
+from moseg_core.view.normals import corner_normals
+from moseg_core.view.palette import linear_light, part_colors
 from moseg_core.view.picture import _hollows, _lines, render_picture
 
 SIZE = (480, 240)

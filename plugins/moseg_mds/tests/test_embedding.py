@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 
 import moseg_core as moseg
 from moseg_core import Problem, Shape, ShapeError, UsageError
-from moseg_core.protocols import Embedding
+from moseg_core.components.protocols import Embedding
 
 
 def places(shape, *, landmarks=60, **parameters):

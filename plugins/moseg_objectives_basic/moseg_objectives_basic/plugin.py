@@ -29,22 +29,22 @@ def moseg_objectives() -> list[ObjectiveSpec]:
         ),
         ObjectiveSpec(
             name="planar_symmetric",
-            target=f"{_PACKAGE}.resemblance:planar_symmetric",
+            target=f"{_PACKAGE}.symmetry:planar_symmetric",
             summary="one part: its own mirror image",
         ),
         ObjectiveSpec(
             name="ellipsoidal",
-            target=f"{_PACKAGE}.resemblance:ellipsoidal",
+            target=f"{_PACKAGE}.ellipsoid:ellipsoidal",
             summary="one part: close to the ellipsoid of its covariance",
         ),
         ObjectiveSpec(
             name="perpendicular",
-            target=f"{_PACKAGE}.relations:perpendicular",
+            target=f"{_PACKAGE}.axes:perpendicular",
             summary="two parts: long axes at a right angle",
         ),
         ObjectiveSpec(
             name="similar_proportions",
-            target=f"{_PACKAGE}.relations:similar_proportions",
+            target=f"{_PACKAGE}.similarity:similar_proportions",
             summary="several parts: alike in length, width and height",
         ),
         ObjectiveSpec(
@@ -54,37 +54,37 @@ def moseg_objectives() -> list[ObjectiveSpec]:
         ),
         ObjectiveSpec(
             name="axial_symmetric",
-            target=f"{_PACKAGE}.rotation:axial_symmetric",
+            target=f"{_PACKAGE}.symmetry:axial_symmetric",
             summary="one part: a surface of revolution",
         ),
         ObjectiveSpec(
             name="rotational_symmetric",
-            target=f"{_PACKAGE}.rotation:rotational_symmetric",
+            target=f"{_PACKAGE}.symmetry:rotational_symmetric",
             summary="one part: the same n times in a full turn",
         ),
         ObjectiveSpec(
             name="convex",
-            target=f"{_PACKAGE}.solidity:convex",
+            target=f"{_PACKAGE}.convexity:convex",
             summary="one part: fills its convex hull",
         ),
         ObjectiveSpec(
             name="area_fraction",
-            target=f"{_PACKAGE}.share:area_fraction",
+            target=f"{_PACKAGE}.area:area_fraction",
             summary="one part: its share of the area between min and max",
         ),
         ObjectiveSpec(
             name="parallel",
-            target=f"{_PACKAGE}.lines:parallel",
+            target=f"{_PACKAGE}.axes:parallel",
             summary="two parts: long axes parallel",
         ),
         ObjectiveSpec(
             name="coaxial",
-            target=f"{_PACKAGE}.lines:coaxial",
+            target=f"{_PACKAGE}.axes:coaxial",
             summary="two parts: long axes on one line",
         ),
         ObjectiveSpec(
             name="similar",
-            target=f"{_PACKAGE}.likeness:similar",
+            target=f"{_PACKAGE}.similarity:similar",
             summary="several parts: the same proportions in any size",
         ),
     ]
@@ -101,18 +101,18 @@ def moseg_measures() -> list[MeasureSpec]:
         ),
         MeasureSpec(
             name="closed_volume",
-            target=f"{_PACKAGE}.solidity:closed_volume",
+            target=f"{_PACKAGE}.convexity:closed_volume",
             summary="volume of the part with its boundary loops capped",
         ),
         MeasureSpec(
             name="surface_samples",
-            target=f"{_PACKAGE}.surface:surface_samples",
+            target=f"{_PACKAGE}.surface_distance:surface_samples",
             summary="points and weights for integrals over the part's surface",
             keep=False,
         ),
         MeasureSpec(
             name="surface_tree",
-            target=f"{_PACKAGE}.surface:surface_tree",
+            target=f"{_PACKAGE}.surface_distance:surface_tree",
             summary="search tree for distances to the part's surface",
             keep=False,
         ),

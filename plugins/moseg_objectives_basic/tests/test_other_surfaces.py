@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import trimesh
-from moseg_objectives_basic.resemblance import ellipsoidal, planar_symmetric
-from moseg_objectives_basic.surface import surface_samples
+from moseg_objectives_basic.ellipsoid import ellipsoidal
+from moseg_objectives_basic.surface_distance import surface_samples
+from moseg_objectives_basic.symmetry import planar_symmetric
 
 from moseg_core import Problem, Segmentation, Shape, ShapeError, coarsen, registry
 

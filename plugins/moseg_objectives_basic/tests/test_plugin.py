@@ -6,13 +6,13 @@ import sys
 from collections import Counter
 
 import moseg_objectives_basic.convexity as convexity
-import moseg_objectives_basic.surface as surface
+import moseg_objectives_basic.surface_distance as surface
 import numpy as np
 import pytest
 from moseg_objectives_basic import plugin
 
 from moseg_core import Problem, Shape, registry
-from moseg_core.protocols import Objective
+from moseg_core.components.protocols import Objective
 
 SECTION_10 = {
     "narrow": "unary",

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from moseg_objectives_basic.relations import perpendicular, similar_proportions
+from moseg_objectives_basic.axes import perpendicular
+from moseg_objectives_basic.similarity import similar_proportions
 from scipy.spatial.transform import Rotation
 
 GENERIC = Rotation.from_rotvec([0.4, -1.1, 0.7])

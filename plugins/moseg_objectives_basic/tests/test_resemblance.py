@@ -2,12 +2,13 @@ from __future__ import annotations
 
 import math
 
-import moseg_objectives_basic.surface as surface
+import moseg_objectives_basic.surface_distance as surface
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from moseg_objectives_basic.resemblance import ellipsoidal, planar_symmetric
+from moseg_objectives_basic.ellipsoid import ellipsoidal
+from moseg_objectives_basic.symmetry import planar_symmetric
 from scipy import integrate
 from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation

@@ -7,8 +7,7 @@ import pytest
 import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from moseg_objectives_basic.convexity import hull_volume
-from moseg_objectives_basic.solidity import closed_volume, convex
+from moseg_objectives_basic.convexity import closed_volume, convex, hull_volume
 from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 

@@ -5,14 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from moseg_objectives_basic.convexity import hull_volume
-from moseg_objectives_basic.resemblance import ellipsoidal, planar_symmetric
-from moseg_objectives_basic.surface import surface_samples
+from moseg_objectives_basic.ellipsoid import ellipsoidal
+from moseg_objectives_basic.surface_distance import surface_samples
+from moseg_objectives_basic.symmetry import planar_symmetric
 
 import moseg_core as moseg
 from moseg_core import Segmentation, coarsen
 from moseg_core.builtin.voronoi import Voronoi
+from moseg_core.components.protocols import Centers
 from moseg_core.io import read_labels
-from moseg_core.protocols import Centers
 
 
 def labellings(shape, coarse, name):

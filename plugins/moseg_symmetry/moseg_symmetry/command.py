@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from moseg_core import Shape
-    from moseg_symmetry.axes import AxisSymmetry
-    from moseg_symmetry.detection import PlaneSymmetry
+    from moseg_symmetry.axis_detection import AxisSymmetry
+    from moseg_symmetry.plane_detection import PlaneSymmetry
 
 
 def symmetry(shape: Path, /, *, json: bool = False) -> None:
@@ -67,8 +67,8 @@ class Symmetries:
 
 def symmetries(shape: Shape) -> Symmetries:
     """The planes and axes of symmetry of a shape."""
-    from moseg_symmetry.axes import detect_axes
-    from moseg_symmetry.detection import detect_planes
+    from moseg_symmetry.axis_detection import detect_axes
+    from moseg_symmetry.plane_detection import detect_planes
     from moseg_symmetry.surface import surface_of
 
     planes = detect_planes(shape)

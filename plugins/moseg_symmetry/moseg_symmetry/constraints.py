@@ -4,7 +4,7 @@ A segmentation whose centres are symmetric is symmetric itself, by construction,
 numbers to search: the bulldog of Fig. 9 goes from 24 to 14, since two of its legs have no numbers
 of their own and head and body have three instead of four. Both constraints answer the protocol
 ``Constraint`` of the core, which composes them, and both take the plane from
-:func:`moseg_symmetry.choice.plane_of`, in unit coordinates.
+:func:`moseg_symmetry.plane_of.plane_of`, in unit coordinates.
 
 Each also says which feasible centres are nearest to any given ones, so that a search can begin
 from centres that know of no constraint. Both are orthogonal projections in the coordinates
@@ -19,7 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from moseg_core import Shape, UsageError
-from moseg_symmetry.choice import plane_of
+from moseg_symmetry.plane_of import plane_of
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -4,7 +4,7 @@ A plane is a point and a unit normal, ``{x : n . (x - p) = 0}``. Everything here
 units the plane is in: model units in what users write and read, unit coordinates
 (``shape.frame.to_unit``) in the search. :meth:`Plane.to_unit` goes from the first to the second.
 
-The text that names a plane is ``auto`` (found on the shape, :mod:`moseg_symmetry.choice`), an
+The text that names a plane is ``auto`` (found on the shape, :mod:`moseg_symmetry.plane_of`), an
 axis of the file or six numbers; :func:`read_plane` reads it.
 """
 

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from moseg_symmetry.detection import require_plane
 from moseg_symmetry.motions import Reflection
+from moseg_symmetry.plane_detection import require_plane
 from moseg_symmetry.surface import surface_of
 
 from moseg_core import ShapeError, load

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from moseg_symmetry.constraints import Mirror, OnPlane
 
 from moseg_core import Shape, ShapeError, UsageError, coarsen
-from moseg_core.protocols import Constraint
+from moseg_core.components.protocols import Constraint
 
 N = 5
 TILTED = "7,-1,2,1,2,-0.5"

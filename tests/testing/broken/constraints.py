@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from moseg_core.components.constraint_function import constraint
+from moseg_core.components.discovery.specs import ConstraintSpec
 from moseg_core.errors import UsageError
-from moseg_core.rules import constraint
-from moseg_core.specs import ConstraintSpec
 
 _NAMES = {
     "constraint-dimensions": "ReadsWhatItDetermines",

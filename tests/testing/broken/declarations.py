@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from moseg_core.objectives import objective
-from moseg_core.parameters import Interval
-from moseg_core.part import Part
-from moseg_core.specs import ObjectiveSpec
+from moseg_core.components.discovery.specs import ObjectiveSpec
+from moseg_core.components.objectives import objective
+from moseg_core.components.parameters import Interval
+from moseg_core.components.part import Part
 
 _HERE = "tests.testing.broken.declarations"
 

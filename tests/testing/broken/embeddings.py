@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from moseg_core.shape import Shape
-from moseg_core.specs import EmbeddingSpec
+from moseg_core.components.discovery.specs import EmbeddingSpec
+from moseg_core.shape.shape import Shape
 
 _NAMES = {
     "embedding-elements": "BackToFront",

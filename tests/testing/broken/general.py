@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from moseg_core.protocols import Seeding
-from moseg_core.specs import MeasureSpec, ObjectiveSpec, SeederSpec
+from moseg_core.components.discovery.specs import MeasureSpec, ObjectiveSpec, SeederSpec
+from moseg_core.components.protocols import Seeding
 
 _HERE = "tests.testing.broken.general"
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from moseg_core.hookspecs import hookimpl
-from moseg_core.specs import MeasureSpec
+from moseg_core.components.discovery.hookspecs import hookimpl
+from moseg_core.components.discovery.specs import MeasureSpec
 
 
 @hookimpl

@@ -6,10 +6,10 @@ import math
 
 import numpy as np
 
-from moseg_core.objectives import objective
-from moseg_core.part import Part
-from moseg_core.segmentation import Segmentation
-from moseg_core.specs import ObjectiveSpec
+from moseg_core.components.discovery.specs import ObjectiveSpec
+from moseg_core.components.objectives import objective
+from moseg_core.components.part import Part
+from moseg_core.components.segmentation import Segmentation
 
 _NAMES = {
     "objective-rigid": "to_the_right",

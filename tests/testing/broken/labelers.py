@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from moseg_core.specs import LabelerSpec
-from moseg_core.unary import optimal_assignment
+from moseg_core.components.discovery.specs import LabelerSpec
+from moseg_core.search.assignment import optimal_assignment
 
 _NAMES = {
     "labeler-permutation": "EachForItself",

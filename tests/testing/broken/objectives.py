@@ -7,9 +7,9 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from moseg_core.objectives import objective
-from moseg_core.part import Part
-from moseg_core.specs import ObjectiveSpec
+from moseg_core.components.discovery.specs import ObjectiveSpec
+from moseg_core.components.objectives import objective
+from moseg_core.components.part import Part
 
 _NAMES = {
     "objective-returns": "divides_by_the_height",

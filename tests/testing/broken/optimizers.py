@@ -7,9 +7,9 @@ import math
 import numpy as np
 
 from moseg_core.builtin.pattern_search import PatternSearch
-from moseg_core.cost import Cost
+from moseg_core.components.cost import Cost
+from moseg_core.components.discovery.specs import OptimizerSpec
 from moseg_core.errors import UsageError
-from moseg_core.specs import OptimizerSpec
 
 _NAMES = {
     "optimizer-start": "StartsElsewhere",

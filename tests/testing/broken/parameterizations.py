@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from moseg_core.builtin.voronoi import Voronoi
-from moseg_core.protocols import Centers
-from moseg_core.specs import ParameterizationSpec
+from moseg_core.components.discovery.specs import ParameterizationSpec
+from moseg_core.components.protocols import Centers
 
 _NAMES = {
     "parameterization-bounds": "StepsOfNothing",

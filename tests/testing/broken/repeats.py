@@ -9,7 +9,7 @@ import time
 
 import numpy as np
 
-from moseg_core.specs import MeasureSpec
+from moseg_core.components.discovery.specs import MeasureSpec
 
 _NAMES = {
     "runs-on-the-zoo": "first_triangle",

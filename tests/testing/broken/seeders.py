@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from moseg_core.protocols import Progress, Seeding
-from moseg_core.specs import SeederSpec
+from moseg_core.components.discovery.specs import SeederSpec
+from moseg_core.components.protocols import Progress, Seeding
 
 _NAMES = {
     "seeder-count": "OneTooFew",

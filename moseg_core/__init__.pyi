@@ -1,0 +1,57 @@
+"""The public face: where each name is defined, for type checkers and for the loader."""
+
+from moseg_core.clipping.clip import Clipped as Clipped
+from moseg_core.clipping.clip import clip_boundaries as clip_boundaries
+from moseg_core.components.constraint_function import constraint as constraint
+from moseg_core.components.cost import Cost as Cost
+from moseg_core.components.discovery.contract import CONTRACT as CONTRACT
+from moseg_core.components.discovery.hookspecs import hookimpl as hookimpl
+from moseg_core.components.discovery.registry import registry as registry
+from moseg_core.components.discovery.specs import CommandSpec as CommandSpec
+from moseg_core.components.discovery.specs import ConstraintSpec as ConstraintSpec
+from moseg_core.components.discovery.specs import EmbeddingSpec as EmbeddingSpec
+from moseg_core.components.discovery.specs import LabelerSpec as LabelerSpec
+from moseg_core.components.discovery.specs import MeasureSpec as MeasureSpec
+from moseg_core.components.discovery.specs import ObjectiveSpec as ObjectiveSpec
+from moseg_core.components.discovery.specs import OptimizerSpec as OptimizerSpec
+from moseg_core.components.discovery.specs import ParameterizationSpec as ParameterizationSpec
+from moseg_core.components.discovery.specs import ReaderSpec as ReaderSpec
+from moseg_core.components.discovery.specs import RecipeSpec as RecipeSpec
+from moseg_core.components.discovery.specs import SeederSpec as SeederSpec
+from moseg_core.components.discovery.specs import WriterSpec as WriterSpec
+from moseg_core.components.objectives import objective as objective
+from moseg_core.components.parameters import Interval as Interval
+from moseg_core.components.part import Part as Part
+from moseg_core.components.protocols import Batch as Batch
+from moseg_core.components.protocols import Centers as Centers
+from moseg_core.components.protocols import Constraint as Constraint
+from moseg_core.components.protocols import Embedding as Embedding
+from moseg_core.components.protocols import Evaluator as Evaluator
+from moseg_core.components.protocols import Progress as Progress
+from moseg_core.components.protocols import Seeding as Seeding
+from moseg_core.components.segmentation import Segmentation as Segmentation
+from moseg_core.errors import ExpressionError as ExpressionError
+from moseg_core.errors import MosegError as MosegError
+from moseg_core.errors import PluginError as PluginError
+from moseg_core.errors import ShapeError as ShapeError
+from moseg_core.errors import UsageError as UsageError
+from moseg_core.io import load as load
+from moseg_core.io import save as save
+from moseg_core.problem.aggregate import Evaluation as Evaluation
+from moseg_core.problem.hierarchy import Hierarchy as Hierarchy
+from moseg_core.problem.problem import Problem as Problem
+from moseg_core.problem.recipe import Recipe as Recipe
+from moseg_core.problem.recipe import load_recipe as load_recipe
+from moseg_core.samples import sample_labels_path as sample_labels_path
+from moseg_core.samples import sample_path as sample_path
+from moseg_core.search.clipped_result import clip as clip
+from moseg_core.search.evaluator import ProblemEvaluator as ProblemEvaluator
+from moseg_core.search.levels import refine as refine
+from moseg_core.search.levels import segment_hierarchy as segment_hierarchy
+from moseg_core.search.result import Result as Result
+from moseg_core.search.segment import segment as segment
+from moseg_core.shape.coarse import coarsen as coarsen
+from moseg_core.shape.shape import Shape as Shape
+from moseg_core.shape.volume.capped import capped_volume as capped_volume
+
+__version__: str

@@ -1,0 +1,132 @@
+"""A component that somebody chose, by name and with parameters; found, loaded and checked.
+
+A choice is written like a call of the expression language, ``pattern_search(expansion=2)``, or in
+a recipe as a table with a ``name``. It is looked up and checked before any shape is read.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager
+from dataclasses import dataclass, field
+from typing import Any
+
+from moseg_core.components.discovery.registry import Component, Registry
+from moseg_core.components.discovery.specs import Kind
+from moseg_core.components.parameters import check_parameters, declared_parameters
+from moseg_core.errors import REPORT, PluginError, UsageError
+from moseg_core.language import parse_call
+from moseg_core.language.terms import format_number
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A component by name, with parameters.
+
+    Parameters
+    ----------
+    name : str
+    parameters : mapping of str to value
+
+    Examples
+    --------
+    >>> str(Choice.read("pattern_search(expansion=2)", "optimizer"))
+    'pattern_search(expansion=2)'
+    >>> Choice.read({"name": "kmeans", "rounds": 5}, "seeder").parameters
+    {'rounds': 5}
+    """
+
+    name: str
+    parameters: Mapping[str, Any] = field(default_factory=dict)
+
+    @classmethod
+    def read(cls, given: str | Mapping[str, Any] | Choice, kind: Kind) -> Choice:
+        """From text or a table.
+
+        Raises
+        ------
+        ExpressionError
+            Malformed text.
+        UsageError
+            A table without a name.
+        """
+        if isinstance(given, Choice):
+            return given
+        if isinstance(given, str):
+            term = parse_call(given)
+            return cls(term.name, dict(term.parameters))
+        if not isinstance(given, Mapping) or not isinstance(given.get("name"), str):
+            raise UsageError(f"{kind} must be a name or a table with a name, not {given!r}")
+        return cls(given["name"], {key: v for key, v in given.items() if key != "name"})
+
+    def __str__(self) -> str:
+        inside = ", ".join(
+            f"{key}={format_number(value) if isinstance(value, (int, float)) else value}"
+            for key, value in self.parameters.items()
+        )
+        return f"{self.name}({inside})" if inside else self.name
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ready:
+    """A choice that was found, loaded and checked.
+
+    Parameters
+    ----------
+    component : Component
+    factory : callable
+        The class behind it.
+    parameters : dict of str to value
+    """
+
+    component: Component
+    factory: Callable[..., Any]
+    parameters: dict[str, Any]
+
+    def make(self, *arguments: Any, **more: Any) -> Any:
+        """Construct the component with what the pipeline gives it and the user's parameters.
+
+        Raises
+        ------
+        PluginError
+            The constructor does not take what its kind is given, or fails.
+        """
+        with self.guard("cannot be made"):
+            return self.factory(*arguments, **more, **self.parameters)
+
+    @property
+    def who(self) -> str:
+        """The component and where it comes from, for messages."""
+        return self.component.who
+
+    def guard(self, what: str = "failed") -> AbstractContextManager[None]:
+        """See :meth:`moseg_core.components.discovery.registry.Component.guard`."""
+        return self.component.guard(what)
+
+
+def prepare(choice: Choice, kind: Kind, registry: Registry) -> Ready:
+    """Find a component, load it and check its parameters.
+
+    Raises
+    ------
+    UsageError
+        Unknown component or parameter, with the nearest name; a value out of range.
+    PluginError
+        The component's bundle is broken.
+    """
+    component = registry.find(kind, choice.name)
+    target = component.load()
+    if not callable(target):
+        raise PluginError(
+            f"{kind} '{component.id}' of {component.distribution} cannot be called:"
+            f" {component.spec.target} is a {type(target).__name__}; {REPORT}"
+        )
+    reserved = ("rng",) if kind == "optimizer" else ()
+    try:
+        declared = declared_parameters(target, reserved=reserved)
+    except TypeError as error:
+        raise PluginError(
+            f"{kind} '{component.id}' of {component.distribution} cannot be used: {error}; {REPORT}"
+        ) from error
+    parameters = check_parameters(declared, choice.parameters, f"{kind} '{choice.name}'")
+    return Ready(component=component, factory=target, parameters=parameters)

@@ -1,0 +1,379 @@
+"""Discovery: which bundles are installed, what they bring, and what is wrong with them.
+
+Bundles are found through the entry-point group ``moseg`` and registered with pluggy one at a
+time. A bundle that fails to import, misspells a hook or returns something odd is *set aside*:
+the reason is kept, with the distribution that it came in, and everything else goes on. Only
+somebody who asks for one of its components hears of it, and ``moseg plugin list``.
+
+The core's own components come through the same door, as the bundle ``core``.
+
+Two distributions that claim one namespace are both set aside; so is a bundle that was written for a
+contract that this core does not accept (:mod:`moseg_core.components.discovery.contract`). With
+``MOSEG_STRICT=1`` whatever is set aside is an error, for tests that must not pass without it.
+"""
+
+from __future__ import annotations
+
+import importlib
+import inspect
+import os
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from importlib import metadata
+from types import ModuleType
+from typing import Any, Protocol, cast
+
+import pluggy
+
+from moseg_core.components.discovery import contract, hookspecs
+from moseg_core.components.discovery.distributions import Claim, installed_points, read_claims
+from moseg_core.components.discovery.hookspecs import HOOKS
+from moseg_core.components.discovery.specs import NAME, Kind, MeasureSpec, Spec
+from moseg_core.errors import REPORT, MosegError, PluginError, UsageError, nearest, unknown
+
+
+@dataclass(frozen=True)
+class Component:
+    """One component of one bundle.
+
+    Parameters
+    ----------
+    bundle : str
+    distribution : str
+        Name and version of the distribution, ``"moseg-core 0.1.0"``.
+    spec : Spec
+    """
+
+    bundle: str
+    distribution: str
+    spec: Spec
+
+    @property
+    def kind(self) -> Kind:
+        """What kind of component it is."""
+        return self.spec.kind
+
+    @property
+    def id(self) -> str:
+        """``bundle:name``."""
+        return f"{self.bundle}:{self.spec.name}"
+
+    @property
+    def who(self) -> str:
+        """The component and where it comes from, for messages."""
+        return f"{self.kind} '{self.id}' of {self.distribution}"
+
+    @contextmanager
+    def guard(self, what: str = "failed") -> Iterator[None]:
+        """Turn whatever the component raises into a PluginError that names it.
+
+        moseg's own errors pass: they say what is wrong with the request or with another
+        component. So do errors of the operating system about files.
+        """
+        try:
+            yield
+        except (MosegError, OSError):
+            raise
+        except Exception as error:  # a stranger's component may raise anything
+            raise PluginError(f"{self.who} {what}: {describe(error)}; {REPORT}") from error
+
+    def load(self) -> Any:
+        """Import the component's module and return the object that its target names.
+
+        Raises
+        ------
+        PluginError
+            The import fails, or the module has no such name.
+        """
+        module_name, _, attribute = self.spec.target.partition(":")
+        try:
+            return getattr(importlib.import_module(module_name), attribute)
+        except (Exception, SystemExit) as error:  # a stranger's module may raise anything
+            raise PluginError(
+                f"{self.kind} '{self.id}' of {self.distribution} cannot be loaded from"
+                f" '{self.spec.target}': {describe(error)}; update or reinstall it"
+            ) from error
+
+
+@dataclass(frozen=True)
+class Bundle:
+    """An installed bundle: its components, or why it is set aside.
+
+    Parameters
+    ----------
+    name : str
+        The namespace, that is the entry point's name.
+    distribution, version : str
+    module : str
+    components : tuple of Component
+    problem : str or None
+        Why the bundle is set aside, and what to do; None where all is well.
+    contract : int
+        The one that it was written for (:mod:`moseg_core.components.discovery.contract`).
+    note : str
+        What is worth knowing of how it is installed, though it can be used; usually empty.
+    """
+
+    name: str
+    distribution: str
+    version: str
+    module: str
+    components: tuple[Component, ...] = ()
+    problem: str | None = None
+    contract: int = contract.UNSTATED
+    note: str = ""
+
+
+class Registry:
+    """All bundles that were found; look-up of components by kind and name.
+
+    Parameters
+    ----------
+    bundles : sequence of Bundle
+
+    Examples
+    --------
+    >>> registry().find("seeder", "kmeans").id
+    'core:kmeans'
+    >>> registry().find("seeder", "kmean")
+    Traceback (most recent call last):
+        ...
+    moseg_core.errors.UsageError: unknown seeder 'kmean'; did you mean 'kmeans'?
+    """
+
+    def __init__(self, bundles: Sequence[Bundle]) -> None:
+        self.bundles = tuple(bundles)
+
+    def components(self, kind: Kind | None = None) -> list[Component]:
+        """Components of one kind, or all, in the order of their bundles."""
+        found = [component for bundle in self.bundles for component in bundle.components]
+        return [component for component in found if kind is None or component.kind == kind]
+
+    def names(self, kind: Kind) -> list[str]:
+        """What a user can call the components of a kind, shortest form, sorted."""
+        components = self.components(kind)
+        bare = [component.spec.name for component in components]
+        return sorted(
+            component.spec.name if bare.count(component.spec.name) == 1 else component.id
+            for component in components
+        )
+
+    def find(self, kind: Kind, name: str) -> Component:
+        """The component called `name`, as ``bundle:name`` or bare where that is unique.
+
+        Raises
+        ------
+        UsageError
+            Unknown, with the nearest name; or ambiguous, with the full ids.
+        PluginError
+            The bundle that the id names is set aside; with the reason.
+        """
+        components = self.components(kind)
+        matches = [c for c in components if name in (c.id, c.spec.name)]
+        if len(matches) == 1:
+            return matches[0]
+        if matches:
+            ids = ", ".join(sorted(component.id for component in matches))
+            raise UsageError(f"{kind} '{name}' is ambiguous; say which: {ids}")
+        namespace = name.partition(":")[0] if ":" in name else None
+        for bundle in self.bundles:
+            if bundle.problem and bundle.name == namespace:
+                raise PluginError(
+                    f"{kind} '{name}' is not available: bundle '{bundle.name}' is set aside:"
+                    f" {bundle.problem}"
+                )
+        known = [c.id for c in components] if namespace else self.names(kind)
+        message = unknown(kind, name, known)
+        raise UsageError(message + self._mention_aside())
+
+    def _mention_aside(self) -> str:
+        aside = [bundle.name for bundle in self.bundles if bundle.problem]
+        return f" (set aside, see 'moseg plugin list': {', '.join(aside)})" if aside else ""
+
+    def by_suffix(self, kind: Kind, suffix: str) -> Component:
+        """The reader or writer for a file suffix such as ``".off"``.
+
+        Raises
+        ------
+        UsageError
+            No component handles the suffix.
+        """
+        suffixes: dict[str, Component] = {}
+        for component in self.components(kind):
+            for known in getattr(component.spec, "suffixes", ()):
+                suffixes.setdefault(known, component)
+        if suffix.lower() not in suffixes:
+            allowed = ", ".join(sorted(suffixes))
+            verb = "read" if kind == "reader" else "write"
+            asked = f"'{suffix}'" if suffix else "without a suffix"
+            message = f"cannot {verb} files {asked}; formats: {allowed}"
+            raise UsageError(message + self._mention_aside())
+        return suffixes[suffix.lower()]
+
+
+@lru_cache(maxsize=1)
+def registry() -> Registry:
+    """The registry of this process: everything installed, as MOSEG_PLUGINS restricts it.
+
+    The environment variable ``MOSEG_PLUGINS`` holds the names of the bundles to load, separated
+    by commas; the bundle ``core`` is always loaded. ``MOSEG_STRICT=1`` asks that each of them can
+    be used.
+
+    Raises
+    ------
+    UsageError
+        One of the two variables names no bundle, or is not understood.
+    PluginError
+        A bundle is set aside, and ``MOSEG_STRICT`` is 1.
+    """
+    wanted = os.environ.get("MOSEG_PLUGINS")
+    names = None if wanted is None else {name.strip() for name in wanted.split(",")} | {"core"}
+    points = installed_points()
+    for name in sorted((names or set()) - {point.name for point in points} - {""}):
+        raise UsageError(f"MOSEG_PLUGINS: {unknown('bundle', name, {p.name for p in points})}")
+    found = discover(points, restrict_to=names)
+    strict = os.environ.get("MOSEG_STRICT", "")
+    if strict not in ("", "0", "1"):
+        raise UsageError(f"MOSEG_STRICT must be 1 or 0, not '{strict}'")
+    aside = [f"'{bundle.name}': {bundle.problem}" for bundle in found.bundles if bundle.problem]
+    if aside and strict == "1":
+        count = "a bundle is" if len(aside) == 1 else f"{len(aside)} bundles are"
+        raise PluginError(f"{count} set aside, and MOSEG_STRICT is 1: {' | '.join(aside)}")
+    return found
+
+
+class MeasureResolver(Protocol):
+    """Finds the function behind a measure's id, and whether its values may be kept for long."""
+
+    def __call__(self, name: str, /) -> tuple[str, Callable[..., Any], bool]:
+        """(full id, function of a part, whether to keep values beyond the part's life)."""
+        ...
+
+
+def measure_resolver(source: Registry | None = None) -> MeasureResolver:
+    """A function that finds measures by name, each loaded once."""
+    found: dict[str, tuple[str, Callable[..., Any], bool]] = {}
+
+    def resolve(name: str, /) -> tuple[str, Callable[..., Any], bool]:
+        if name not in found:
+            component = (registry() if source is None else source).find("measure", name)
+            spec = cast(MeasureSpec, component.spec)
+            found[name] = component.id, component.load(), spec.keep
+        return found[name]
+
+    return resolve
+
+
+def discover(
+    entry_points: Iterable[metadata.EntryPoint], *, restrict_to: set[str] | None = None
+) -> Registry:
+    """Load bundles from entry points; what fails is set aside, never raised.
+
+    Parameters
+    ----------
+    entry_points : iterable of importlib.metadata.EntryPoint
+    restrict_to : set of str, optional
+        Names of the bundles to load; the others are not even imported.
+    """
+    manager = pluggy.PluginManager("moseg")
+    manager.add_hookspecs(hookspecs)
+    claims = read_claims(entry_points)
+    bundles = []
+    for claim in claims:
+        if restrict_to is not None and claim.point.name not in restrict_to:
+            continue
+        rivals = {
+            rival.claimant: f"{rival.distribution} {rival.version}"
+            for rival in claims
+            if rival.point.name == claim.point.name
+        }
+        # Nobody can set the core aside.
+        alone = claim.point.name == "core" and claim.claimant == "moseg-core"
+        bundles.append(_load_bundle(manager, claim, () if alone else tuple(rivals.values())))
+    return Registry(bundles)
+
+
+def _load_bundle(manager: pluggy.PluginManager, claim: Claim, claimants: Sequence[str]) -> Bundle:
+    """Load one bundle; `claimants` are all that claim its namespace."""
+    point, distribution, version = claim.point, claim.distribution, claim.version
+    bundle = Bundle(point.name, distribution, version, point.value, note=claim.note)
+
+    def aside(reason: str, advice: str) -> Bundle:
+        return replace(bundle, problem=f"{distribution} {version}: {reason}; {advice}")
+
+    report = f"report it to the authors of {distribution}, or uninstall it"
+    if len(claimants) > 1:
+        return aside(
+            f"the namespace '{point.name}' is claimed by {' and '.join(sorted(claimants))}",
+            "uninstall one of them",
+        )
+    if not NAME.match(point.name):
+        return aside(f"'{point.name}' is not a valid namespace", report)
+    try:
+        module = point.load()
+    except (Exception, SystemExit) as error:  # noqa: BLE001  # a stranger's module may raise anything
+        advice = f"update or reinstall {distribution}, or uninstall it"
+        if isinstance(error, ImportError) and (error.name or "").startswith("moseg_core"):
+            advice += f"; it may need another moseg-core than {contract.VERSION}"
+        return aside(f"importing '{point.value}' failed with {describe(error)}", advice)
+    try:
+        bundle = replace(bundle, contract=contract.stated(module))
+        if refused := contract.refusal(bundle.contract, distribution, contract.VERSION):
+            return aside(*refused)
+        if misspelled := _unknown_hooks(module):
+            return aside(misspelled, report)
+        manager.register(module, name=point.name)
+    except Exception as error:  # noqa: BLE001  # a stranger's module may raise anything
+        return aside(f"registering it failed with {describe(error)}", report)
+
+    components: list[Component] = []
+    for hook, (kind, spec_type) in HOOKS.items():
+        caller = getattr(manager.hook, hook)
+        for implementation in caller.get_hookimpls():
+            if implementation.plugin_name != point.name:
+                continue
+            try:
+                specs = list(implementation.function())
+            except (Exception, SystemExit) as error:  # noqa: BLE001  # a stranger's hook
+                return aside(f"hook '{hook}' failed with {describe(error)}", report)
+            for spec in specs:
+                if not isinstance(spec, spec_type):
+                    return aside(
+                        f"hook '{hook}' returned {spec!r:.80}, not a {spec_type.__name__}", report
+                    )
+                component = Component(point.name, f"{distribution} {version}", spec)
+                if any(c.id == component.id and c.kind == kind for c in components):
+                    return aside(f"it offers the {kind} '{component.id}' twice", report)
+                components.append(component)
+    if not components:
+        return aside("it offers no components", "see the authors' guide on hooks")
+    return replace(bundle, components=tuple(components))
+
+
+def _unknown_hooks(module: ModuleType) -> str:
+    """A complaint about functions marked as hooks that are none; empty where all are known."""
+    for name, marked in _marked(module):
+        hook = marked.get("specname") or name
+        if hook not in HOOKS:
+            guess = nearest(hook, HOOKS)
+            hint = f"did you mean '{guess}'?" if guess else f"known: {', '.join(HOOKS)}"
+            return f"'{name}' is marked as a hook, but there is no such hook ({hint})"
+    return ""
+
+
+def _marked(module: ModuleType) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Names and marks of the functions that ``hookimpl`` has marked."""
+    for name in dir(module):
+        value = getattr(module, name)
+        # Only functions: proxies and mocks answer to any attribute, or raise at a touch.
+        marks = getattr(value, "moseg_impl", None) if inspect.isroutine(value) else None
+        if isinstance(marks, dict):
+            yield name, marks
+
+
+def describe(error: BaseException) -> str:
+    """Kind and message of an error, in one line."""
+    text = " ".join(str(error).split())
+    return f"{type(error).__name__}: {text}" if text else type(error).__name__

@@ -1,0 +1,193 @@
+"""What a bundle says of the components it brings: one small typed record each.
+
+A spec names a component and says where it is, as a string ``"package.module:Name"`` that is
+resolved on first use. So listing what is installed imports no component, and a broken one is
+noticed when somebody asks for it, not before.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import ClassVar, Literal
+
+NAME = re.compile(r"[a-z][a-z0-9_]*\Z")
+_SUFFIX = re.compile(r"\.[^A-Z\s/]+\Z")
+TARGET = re.compile(r"[A-Za-z_][\w.]*:[A-Za-z_]\w*\Z")
+
+Kind = Literal[
+    "objective",
+    "measure",
+    "parameterization",
+    "seeder",
+    "labeler",
+    "optimizer",
+    "constraint",
+    "embedding",
+    "recipe",
+    "reader",
+    "writer",
+    "command",
+]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Spec:
+    """A component of any kind.
+
+    Parameters
+    ----------
+    name : str
+        Lower-case letters, digits and ``_``; the user says ``name`` or ``bundle:name``.
+    target : str
+        ``"package.module:Name"``, the function or class that implements it.
+    summary : str
+        One line for ``moseg plugin list``.
+
+    Raises
+    ------
+    ValueError
+        A malformed name or target. The core sets the bundle aside with this message.
+
+    Examples
+    --------
+    >>> ObjectiveSpec(name="narrow", target="moseg_objectives_basic.unary:narrow").kind
+    'objective'
+    """
+
+    kind: ClassVar[Kind]
+
+    name: str
+    target: str
+    summary: str = ""
+
+    def __post_init__(self) -> None:
+        if not NAME.match(self.name):
+            raise ValueError(
+                f"{self.kind} name {self.name!r} is not made of lower-case letters, digits and _"
+            )
+        if not TARGET.match(self.target):
+            raise ValueError(
+                f"target {self.target!r} of {self.kind} '{self.name}' is not of the form"
+                f" 'package.module:Name'"
+            )
+
+
+class ObjectiveSpec(Spec):
+    """An objective: target is a :class:`~moseg_core.components.protocols.Objective`."""
+
+    kind = "objective"
+
+
+@dataclass(frozen=True, kw_only=True)
+class MeasureSpec(Spec):
+    """A measure of a part: target is a function of a part and its own parameters.
+
+    Parameters
+    ----------
+    keep : bool
+        Whether values outlive the part, in the run's bounded memo. False for large objects,
+        such as a search tree, that only help to compute other measures of the same part.
+    """
+
+    kind = "measure"
+
+    keep: bool = True
+
+
+class ParameterizationSpec(Spec):
+    """A family of segmentations: target makes a ``Parameterization``."""
+
+    kind = "parameterization"
+
+
+class SeederSpec(Spec):
+    """An initial placement of centres: target makes a ``Seeder``."""
+
+    kind = "seeder"
+
+
+class LabelerSpec(Spec):
+    """An assignment of labels: target makes a :class:`~moseg_core.components.protocols.Labeler`."""
+
+    kind = "labeler"
+
+
+class OptimizerSpec(Spec):
+    """A search: target makes a :class:`~moseg_core.components.protocols.Optimizer`."""
+
+    kind = "optimizer"
+
+
+class ConstraintSpec(Spec):
+    """A rule for centres: target makes a :class:`~moseg_core.components.protocols.Constraint`."""
+
+    kind = "constraint"
+
+
+class EmbeddingSpec(Spec):
+    """A deformation of shapes: target makes an ``Embedding``."""
+
+    kind = "embedding"
+
+
+class CommandSpec(Spec):
+    """A command of ``moseg``: target is a function whose signature says what options it takes.
+
+    Its docstring is the help, in the form of the core's own commands (:mod:`moseg_core.cli.app`).
+    It prints, and raises the errors of :mod:`moseg_core.errors` to end with their exit codes.
+    """
+
+    kind = "command"
+
+
+class RecipeSpec(Spec):
+    """A named problem: target is ``"package.module:NAME"``, the text of a TOML recipe."""
+
+    kind = "recipe"
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReaderSpec(Spec):
+    """A file format for shapes: target is a function of a path that returns a Shape.
+
+    Parameters
+    ----------
+    suffixes : tuple of str
+        Lower case, with the dot: ``(".off",)``.
+    """
+
+    kind = "reader"
+
+    suffixes: tuple[str, ...]
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        _check_suffixes(self.suffixes, self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class WriterSpec(Spec):
+    """A file format for results: target is a function of a Result that returns bytes.
+
+    Parameters
+    ----------
+    suffixes : tuple of str
+        Lower case, with the dot: ``(".glb",)``.
+    """
+
+    kind = "writer"
+
+    suffixes: tuple[str, ...]
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        _check_suffixes(self.suffixes, self)
+
+
+def _check_suffixes(suffixes: tuple[str, ...], spec: Spec) -> None:
+    if isinstance(suffixes, str) or not suffixes or not all(map(_SUFFIX.match, suffixes)):
+        raise ValueError(
+            f"suffixes {suffixes!r} of {spec.kind} '{spec.name}' are not a tuple of lower-case"
+            f" suffixes such as '.off'"
+        )

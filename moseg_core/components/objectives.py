@@ -1,0 +1,219 @@
+"""Objectives as plain functions: the decorator that a formula needs to become one (Sec. 3, 10).
+
+What the first argument is annotated with says what the objective is about::
+
+    @objective(range=(0, 1), invariant_to=("rigid", "scale"))
+    def narrow(part: Part) -> float: ...                       # unary: one part
+
+    @objective(range=(0, 1))
+    def perpendicular(first: Part, second: Part) -> float: ... # n-ary: exactly two parts
+
+    @objective(range=(0, math.inf))
+    def similar(parts: Sequence[Part]) -> float: ...           # n-ary: any number of parts
+
+    @objective(range=(0, math.inf), requires=("volume",))
+    def convex_parts(segmentation: Segmentation) -> float: ... # global: the whole
+
+Keyword-only arguments are parameters (:mod:`moseg_core.components.parameters`). 0 is best for all
+of moseg's own objectives; an aggregate minimises whatever it is given.
+"""
+
+from __future__ import annotations
+
+import functools
+import inspect
+import math
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Literal, get_args, get_origin, get_type_hints
+
+from moseg_core.components.parameters import Parameter, declared_parameters
+from moseg_core.components.part import Part
+from moseg_core.components.segmentation import Segmentation
+
+Arity = Literal["unary", "nary", "global"]
+CostClass = Literal["cheap", "moderate", "expensive"]
+Requirement = Literal["volume", "adjacency", "surface"]
+Invariance = Literal["rigid", "scale", "reflection", "order", "tessellation", "labels"]
+
+COST_ORDER: dict[CostClass, int] = {"cheap": 0, "moderate": 1, "expensive": 2}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Traits:
+    """What an objective declares of itself; the core relies on it.
+
+    Parameters
+    ----------
+    arity : {"unary", "nary", "global"}
+        What a call receives: a part, several parts, or the segmentation.
+    range : (float, float)
+        Least and greatest value. The search leaves out an expensive term of a candidate that
+        cannot win even if the term took its least value, so the range must hold.
+    requires : frozenset of {"volume", "adjacency", "surface"}
+        What the shape must have; a problem is refused before the search where it lacks it. A
+        "surface" is made of triangles, unlike a point cloud or the cells of a solid.
+    invariant_to : frozenset of str
+        What leaves the value unchanged: "rigid" motions, uniform "scale", "reflection", the
+        "order" of the elements, their "tessellation" within a tolerance, and of several parts
+        the order in which they are given or numbered, "labels".
+    cost : {"cheap", "moderate", "expensive"}
+        From the sums (microseconds), from the vertices, or from the whole surface.
+    least, most : int
+        How many parts an n-ary objective takes.
+    """
+
+    arity: Arity
+    range: tuple[float, float] = (-math.inf, math.inf)
+    requires: frozenset[Requirement] = frozenset()
+    invariant_to: frozenset[Invariance] = frozenset()
+    cost: CostClass = "cheap"
+    least: int = 1
+    most: int | None = None
+
+    @property
+    def takes(self) -> str:
+        """How many labels the objective takes, in words."""
+        if self.arity == "global":
+            return "no labels"
+        if self.arity == "unary":
+            return "one label or more"
+        if self.least == self.most:
+            return f"exactly {self.least} labels"
+        few = "one label" if self.least == 1 else f"{self.least} labels"
+        return f"{few} or more" + (f", at most {self.most}" if self.most else "")
+
+
+class FunctionObjective:
+    """An objective made from a function by :func:`objective`; carries its name and docstring.
+
+    Parameters
+    ----------
+    function : callable
+    traits : Traits
+    spread : bool
+        Whether the parts of an n-ary objective are passed as arguments of their own.
+    """
+
+    def __init__(
+        self, function: Callable[..., float], traits: Traits, *, spread: bool = False
+    ) -> None:
+        functools.update_wrapper(self, function)
+        self.traits = traits
+        self._function = function
+        self._spread = spread
+
+    @cached_property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """The keyword-only arguments of the function."""
+        return declared_parameters(self._function)
+
+    def __call__(self, subject: Any, /, **parameters: Any) -> float:
+        """Value for a part, a sequence of parts or a segmentation, as the arity says."""
+        if self._spread:
+            return self._function(*subject, **parameters)
+        return self._function(subject, **parameters)
+
+    def __reduce__(self) -> str:
+        # The decorated name in its module is this object, so it pickles by reference.
+        return self._function.__qualname__
+
+
+def objective(
+    *,
+    range: tuple[float, float] = (-math.inf, math.inf),
+    requires: Iterable[Requirement] = (),
+    invariant_to: Iterable[Invariance] = (),
+    cost: CostClass = "cheap",
+    least: int | None = None,
+) -> Callable[[Callable[..., float]], FunctionObjective]:
+    """Turn a function of parts into an objective.
+
+    Parameters
+    ----------
+    range, requires, invariant_to, cost
+        See :class:`Traits`.
+    least : int, optional
+        Least number of parts of an objective over a sequence of parts; 2 by default.
+
+    Returns
+    -------
+    callable
+        A decorator.
+
+    Raises
+    ------
+    TypeError
+        The first argument's annotation is none of Part, Sequence[Part] and Segmentation.
+    ValueError
+        A range whose ends are in the wrong order; an unknown requirement, invariance or cost.
+
+    Examples
+    --------
+    >>> @objective(range=(0, 1), invariant_to=("rigid", "scale"))
+    ... def narrow(part: Part) -> float:
+    ...     s1, s2, s3 = part.scales
+    ...     return (s2 + s3) / (2 * s1)
+    >>> narrow.traits.arity, narrow.traits.takes
+    ('unary', 'one label or more')
+    """
+    if not range[0] < range[1]:
+        raise ValueError(f"an objective's range goes from low to high, not {range}")
+    for what, given, allowed in (
+        ("requires", requires, get_args(Requirement)),
+        ("invariant_to", invariant_to, get_args(Invariance)),
+        ("cost", (cost,), get_args(CostClass)),
+    ):
+        if isinstance(given, str) or not set(given) <= set(allowed):
+            raise ValueError(f"an objective's {what} is of {', '.join(allowed)}; not {given!r}")
+
+    def decorate(function: Callable[..., float]) -> FunctionObjective:
+        arity, count = _read_signature(function)
+        traits = Traits(
+            arity=arity,
+            range=(float(range[0]), float(range[1])),
+            requires=frozenset(requires),
+            invariant_to=frozenset(invariant_to),
+            cost=cost,
+            least=count if count is not None else (2 if least is None else least),
+            most=count,
+        )
+        made = FunctionObjective(function, traits, spread=arity == "nary" and count is not None)
+        _ = made.parameters  # so that a parameter of an odd type shows here, not on first use
+        return made
+
+    return decorate
+
+
+def _read_signature(function: Callable[..., float]) -> tuple[Arity, int | None]:
+    """(arity, fixed number of parts or None) from the annotations of the positional arguments."""
+    name = getattr(function, "__name__", repr(function))
+    try:
+        hints = get_type_hints(function)
+        signature = inspect.signature(function)
+    except (NameError, ValueError) as error:
+        raise TypeError(f"the signature of '{name}' cannot be read: {error}") from error
+    positional = [
+        parameter
+        for parameter in signature.parameters.values()
+        if parameter.kind is not inspect.Parameter.KEYWORD_ONLY
+    ]
+    kinds = [
+        None if parameter.kind is inspect.Parameter.VAR_POSITIONAL else hints.get(parameter.name)
+        for parameter in positional
+    ]
+    if kinds == [Segmentation]:
+        return "global", None
+    if kinds == [Part]:
+        return "unary", 1
+    if len(kinds) > 1 and all(kind is Part for kind in kinds):
+        return "nary", len(kinds)
+    if len(kinds) == 1 and get_args(kinds[0])[:1] == (Part,):
+        origin = get_origin(kinds[0])
+        if isinstance(origin, type) and issubclass(origin, Sequence):
+            return "nary", None
+    raise TypeError(
+        f"objective '{name}' must take a Part, several arguments annotated Part, a"
+        f" Sequence[Part] or a Segmentation; parameters come after '*'"
+    )

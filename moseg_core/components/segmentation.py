@@ -1,0 +1,226 @@
+"""A segmentation: a shape, a label for every element, and the parts that result.
+
+The bridge between labellings and objectives. One pass of
+:func:`moseg_core.shape.part_sums.summarize_parts` over the elements gives every part its size,
+membership hash and moments; a part then measures the rest of itself on demand.
+
+The labels may be those of a coarse shape (:mod:`moseg_core.shape.coarse`). What an objective sees
+is the same: the user's shape, a label for each of its elements, parts made of them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+
+from moseg_core.components.discovery.registry import MeasureResolver, measure_resolver
+from moseg_core.components.memo import Memo
+from moseg_core.components.part import Part
+from moseg_core.errors import ShapeError
+from moseg_core.shape.shape import Shape
+from moseg_core.types import BoolArray, FloatArray, Int32Array, IntArray, frozen
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Summary:
+    """Per-part sums of one labelling.
+
+    Parameters
+    ----------
+    counts : (n,) int
+        Number of input elements.
+    hashes : (n, 2) uint64
+        Which elements.
+    moments : (n, 10) float
+        Area, first and second moments about the shape's centre, model units.
+    """
+
+    counts: IntArray
+    hashes: npt.NDArray[np.uint64]
+    moments: FloatArray
+
+    @classmethod
+    def of(cls, shape: Shape, labels: Int32Array, n_parts: int) -> Summary:
+        """Sum over the elements of every part."""
+        from moseg_core.shape.part_sums import summarize_parts
+
+        counts = np.empty(n_parts, np.int64)
+        hashes = np.empty((n_parts, 2), np.uint64)
+        moments = np.empty((n_parts, 10))
+        summarize_parts(
+            labels,
+            shape.areas,
+            shape.first_moments,
+            shape.second_moments,
+            shape.element_hashes,
+            counts,
+            hashes,
+            moments,
+        )
+        if shape.fine is not None:
+            counts = np.bincount(labels, shape.sizes, n_parts).astype(np.int64)
+        return cls(counts=counts, hashes=hashes, moments=moments)
+
+    def empty(self, shape: Shape) -> BoolArray:
+        """(n,) bool: parts without elements, without area, or without extent.
+
+        Such parts are ranked by the core and never reach an objective.
+        """
+        area = self.moments[:, 0]
+        tiny = area <= 1e-14 * shape.frame.scale ** (3 if shape.solid else 2)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            mean = self.moments[:, 1:4] / area[:, None]
+            spread = self.moments[:, [4, 7, 9]].sum(axis=1) / area - (mean**2).sum(axis=1)
+        empty: BoolArray = tiny | ~(spread > 1e-14 * shape.frame.scale**2)
+        return empty
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
+class Segmentation:
+    """A labelled shape; what a global objective receives.
+
+    Parameters
+    ----------
+    level : Shape
+        The shape whose elements were labelled: the user's own, or a coarse one made from it.
+    level_labels : (F of `level`,) int32
+        Part of each element, 0 to ``n_parts - 1``.
+    n_parts : int
+    summary : Summary
+    memo : Memo
+    measures : MeasureResolver
+    """
+
+    level: Shape
+    level_labels: Int32Array
+    n_parts: int
+    summary: Summary
+    memo: Memo
+    measures: MeasureResolver
+
+    @property
+    def shape(self) -> Shape:
+        """The user's shape."""
+        return self.level.input
+
+    @cached_property
+    def labels(self) -> Int32Array:
+        """(F,) int32: part of each element of :attr:`shape`."""
+        if self.level.members is None:
+            return self.level_labels
+        return self.level_labels[self.level.members]
+
+    def __repr__(self) -> str:
+        return f"Segmentation({self.shape.name}: {self.n_parts} parts)"
+
+    @cached_property
+    def _views(self) -> dict[str, Segmentation]:
+        return {self.level.space: self}
+
+    def view(self, space: str) -> Segmentation:
+        """The same labels on another version of the shape, such as "original" (Sec. 9).
+
+        Raises
+        ------
+        ShapeError
+            The shape is not known in that space.
+        """
+        if space not in self._views:
+            level = self.level.in_space(space)
+            self._views[space] = replace(
+                self, level=level, summary=Summary.of(level, self.level_labels, self.n_parts)
+            )
+        return self._views[space]
+
+    @classmethod
+    def from_labels(
+        cls,
+        shape: Shape,
+        labels: npt.ArrayLike,
+        n_parts: int,
+        *,
+        memo: Memo | None = None,
+        measures: MeasureResolver | None = None,
+    ) -> Segmentation:
+        """From a label per element.
+
+        Raises
+        ------
+        ShapeError
+            Not one integer label per element, or a label outside ``0 .. n_parts - 1``.
+
+        Examples
+        --------
+        >>> shape = Shape.from_mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+        >>> [part.n_elements for part in Segmentation.from_labels(shape, [1], 2).parts]
+        [0, 1]
+        """
+        array = checked_labels(shape, labels, n_parts)
+        return cls(
+            level=shape,
+            level_labels=array,
+            n_parts=n_parts,
+            summary=Summary.of(shape, array, n_parts),
+            memo=Memo() if memo is None else memo,
+            measures=measure_resolver() if measures is None else measures,
+        )
+
+    def permuted(self, order: IntArray) -> Segmentation:
+        """The same parts under other labels: part ``j`` is part ``order[j]`` of this one."""
+        rank = np.empty(self.n_parts, np.int32)
+        rank[order] = np.arange(self.n_parts, dtype=np.int32)
+        return Segmentation(
+            level=self.level,
+            level_labels=rank[self.level_labels],
+            n_parts=self.n_parts,
+            summary=Summary(
+                counts=self.summary.counts[order],
+                hashes=self.summary.hashes[order],
+                moments=self.summary.moments[order],
+            ),
+            memo=self.memo,
+            measures=self.measures,
+        )
+
+    @cached_property
+    def parts(self) -> tuple[Part, ...]:
+        """One part per label, in label order; parts without elements included."""
+        counts = self.summary.counts.tolist()
+        hashes = self.summary.hashes.tolist()
+        return tuple(
+            Part(
+                level=self.level,
+                level_labels=self.level_labels,
+                index=k,
+                n_elements=counts[k],
+                membership=(hashes[k][0], hashes[k][1]),
+                moments=self.summary.moments[k],
+                memo=self.memo,
+                measures=self.measures,
+            )
+            for k in range(self.n_parts)
+        )
+
+
+def checked_labels(shape: Shape, labels: npt.ArrayLike, n_parts: int) -> Int32Array:
+    """Labels as a (F,) int32 array, or a ShapeError that says what is wrong with them."""
+    try:
+        array = np.asarray(labels)
+    except ValueError as error:
+        raise ShapeError(f"labels must be one number per element: {error}") from error
+    if array.shape != (shape.n_elements,):
+        raise ShapeError(
+            f"a labelling needs one label per element, {shape.n_elements} for '{shape.name}',"
+            f" not an array of shape {array.shape}"
+        )
+    if not np.issubdtype(array.dtype, np.integer):
+        raise ShapeError(f"labels must be integers, not {array.dtype}")
+    if array.min() < 0 or array.max() >= n_parts:
+        wrong = int(np.argmax((array < 0) | (array >= n_parts)))
+        raise ShapeError(
+            f"element {wrong} has the label {array[wrong]}; allowed are 0 to {n_parts - 1}"
+        )
+    return frozen(np.array(array, dtype=np.int32, order="C"))

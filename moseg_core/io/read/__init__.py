@@ -1,0 +1,1 @@
+"""Readers: bytes of a file to a geometry, one module a format."""

@@ -1,0 +1,136 @@
+"""From the contents of a mesh file to a shape, with messages that name the file.
+
+The readers of this package (``off``, ``obj``, ``ply``, ``stl``, ``gltf_reader``) differ in how
+they find numbers in bytes and agree in the rest: they read the whole file at once, end in flat
+arrays of corners with the polygons *in the order of the file*, since a label belongs to the
+polygon at its place in the file, and refuse what they cannot read whole. What they agree in
+stands here: :func:`read_file` at the one end, :func:`shape_from_polygons` at the other, and
+:func:`file_error` for everything that goes wrong between them.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+
+from moseg_core.errors import ShapeError
+from moseg_core.shape.mesh import PolygonMesh
+from moseg_core.shape.shape import Shape
+from moseg_core.types import FloatArray, IntArray
+
+# Fourth powers of lengths (second moments) and a little more must fit into a float.
+_FARTHEST = 1e50
+
+
+def file_error(path: Path, what: str, *, line: int | None = None) -> ShapeError:
+    """The error that says what is wrong with a file, and where.
+
+    Parameters
+    ----------
+    path : Path
+    what : str
+        What is wrong and what to do about it: without a line, the rest of a sentence of which
+        the file is the subject; with one, a sentence.
+    line : int, optional
+        Counted from 1, where the file has lines.
+
+    Examples
+    --------
+    >>> print(file_error(Path("models/cup.off"), "is empty; export it again"))
+    cup.off is empty; export it again
+    >>> print(file_error(Path("models/cup.off"), "'x' is not a number", line=7))
+    cup.off, line 7: 'x' is not a number
+    """
+    where = path.name if line is None else f"{path.name}, line {line}:"
+    return ShapeError(f"{where} {what}")
+
+
+def read_file(path: Path) -> bytes:
+    """All bytes of a file.
+
+    Raises
+    ------
+    ShapeError
+        The file cannot be read, or is empty.
+    """
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise file_error(path, f"cannot be read ({reason}); check the path {path}") from error
+    if not data.strip():
+        raise file_error(path, "is empty; export it again")
+    return data
+
+
+def refuse_far(path: Path, points: FloatArray, what: str) -> None:
+    """Refuse places too far away for their moments to be floats.
+
+    Parameters
+    ----------
+    path : Path
+    points : (n, 3) float
+        Those that are not finite are left to others to report.
+    what : str
+        What a point is called.
+
+    Raises
+    ------
+    ShapeError
+        Says which it is.
+    """
+    far = (np.isfinite(points) & (np.abs(points) > _FARTHEST)).any(axis=1)
+    if far.any():
+        point = int(np.argmax(far))
+        raise file_error(
+            path,
+            f"has {what} {point} at {points[point].tolist()}, beyond what can be measured;"
+            " repair or rescale the file first",
+        )
+
+
+def shape_from_polygons(
+    path: Path, vertices: FloatArray, corners: IntArray, offsets: IntArray
+) -> Shape:
+    """The shape that a file describes, named after the file.
+
+    Parameters
+    ----------
+    path : Path
+    vertices : (V, 3) float, model units
+    corners : (C,) int
+        Vertex indices from 0, one polygon after the other.
+    offsets : (F + 1,) int
+        Polygon ``f`` has the corners ``corners[offsets[f]:offsets[f + 1]]``.
+
+    Raises
+    ------
+    ShapeError
+        There are no polygons, or they make no surface; the message begins with the file's name.
+
+    Examples
+    --------
+    >>> points = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+    >>> shape = shape_from_polygons(Path("a/tile.off"), points, np.arange(4), np.array([0, 4]))
+    >>> shape.name, shape.n_elements, shape.area
+    ('tile', 1, 1.0)
+    """
+    if len(offsets) < 2:
+        raise file_error(
+            path,
+            "has no faces; export the shape with its faces, or a point cloud as .ply, .xyz or .csv",
+        )
+    refuse_far(path, vertices, "vertex")
+    sizes = np.diff(offsets)
+    try:
+        if (sizes == sizes[0]).all() and sizes[0] > 0:
+            mesh = PolygonMesh.from_faces(vertices, corners.reshape(-1, int(sizes[0])))
+        else:
+            flat, bounds = corners.tolist(), offsets.tolist()
+            faces = [flat[a:b] for a, b in pairwise(bounds)]
+            mesh = PolygonMesh.from_faces(vertices, faces)
+        return Shape.from_polygon_mesh(mesh, name=path.stem)
+    except ShapeError as error:
+        raise ShapeError(f"{path.name}: {error}") from error

@@ -1,0 +1,163 @@
+"""Voxel grids: ``.npy`` arrays and the run-length encoded ``.binvox``.
+
+Both are read as solids, every occupied cell an element, in C order; the command line's
+``--voxels surface`` (:meth:`moseg_core.shape.shape.Shape.with_elements`) reads the surface alone.
+
+An array knows no units: its cells have side 1 and begin at the origin. A ``.binvox`` file (Min
+2004, the output of his program of that name) says in its header where the grid is: cell
+``(i, j, k)`` has its least corner at ``translate + (i, j, k) * scale / dim``. Its cells follow each
+other with y fastest, then z, then x, as pairs of bytes: a value and how often it comes.
+"""
+
+from __future__ import annotations
+
+import io
+import math
+import re
+import tokenize
+import warnings
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from moseg_core.errors import ShapeError
+from moseg_core.io.read.checked import file_error, read_file
+from moseg_core.shape.shape import Shape
+from moseg_core.types import BoolArray
+
+_MOST_CELLS = 2**31
+
+
+def read_npy(path: Path) -> Shape:
+    """Read an array of three axes as a voxel grid: what is not 0 is occupied.
+
+    Parameters
+    ----------
+    path : Path
+
+    Raises
+    ------
+    ShapeError
+        The file is no such array, or nothing in it is occupied.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = Path(folder) / "block.npy"
+    ...     np.save(file, np.ones((2, 2, 2), bool))
+    ...     read_npy(file).volume
+    8.0
+    """
+    array = read_array(path)
+    if array.ndim != 3:
+        raise file_error(
+            path, f"holds an array of shape {array.shape}; a voxel grid has three axes"
+        )
+    if array.dtype.kind not in "biu":
+        raise file_error(
+            path, f"holds {array.dtype}; save the grid as bool, such as 'values > threshold'"
+        )
+    if array.size and array.min() < 0:
+        raise file_error(path, "holds negative numbers; save 'labels >= 0', or the like, as bool")
+    return _shape(path, array != 0, 1.0, (0.0, 0.0, 0.0))
+
+
+def read_array(path: Path) -> npt.NDArray[np.generic]:
+    """The array in an ``.npy`` file.
+
+    Raises
+    ------
+    ShapeError
+        The file cannot be read, is no such file, is cut off, or holds objects.
+    """
+    data = read_file(path)
+    stream = io.BytesIO(data)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of damaged headers, which are refused below
+            major = np.lib.format.read_magic(stream)[0]
+            read_header = (
+                np.lib.format.read_array_header_1_0
+                if major == 1
+                else np.lib.format.read_array_header_2_0
+            )
+            shape, by_columns, dtype = read_header(stream)
+    except (ValueError, TypeError, SyntaxError, tokenize.TokenError) as error:
+        raise file_error(path, f"is not an .npy file ({_line(error)}); save it anew") from error
+    if dtype.kind not in "biufU":
+        raise file_error(path, f"holds {dtype}, not numbers; save it anew")
+    count, start = math.prod(shape), stream.tell()
+    if count * dtype.itemsize != len(data) - start or min(shape, default=1) < 0:
+        raise file_error(path, f"does not hold what an array of shape {shape} takes; it is cut off")
+    flat = np.frombuffer(data, dtype, count, start)
+    return flat.reshape(shape, order="F" if by_columns else "C")
+
+
+def read_binvox(path: Path) -> Shape:
+    """Read a binvox file as a voxel grid, at its place and in its units.
+
+    Parameters
+    ----------
+    path : Path
+
+    Raises
+    ------
+    ShapeError
+        The file is malformed or cut off, or nothing in it is occupied.
+    """
+    data = read_file(path)
+    if not data.startswith(b"#binvox"):
+        raise file_error(path, "does not begin with '#binvox'; it is not a binvox file")
+    head = re.search(rb"^data\r?\n", data, re.MULTILINE)
+    if head is None:
+        raise file_error(path, "has no line 'data' behind its header; it is cut off")
+    fields = {
+        words[0]: words[1:]
+        for words in map(bytes.split, data[: head.start()].splitlines())
+        if words
+    }
+    depth, width, height = (int(d) for d in _numbers(path, fields, b"dim", 3, "1 1 1"))
+    translate = _numbers(path, fields, b"translate", 3, "0 0 0")
+    (scale,) = _numbers(path, fields, b"scale", 1, "1")
+    if min(depth, width, height) < 1 or depth * width * height > _MOST_CELLS:
+        raise file_error(path, f"has a grid of {depth} x {width} x {height}; it is damaged")
+    if not 0 < scale < math.inf or not all(map(math.isfinite, translate)):
+        raise file_error(path, f"has the scale {scale:g} and translation {translate}; repair it")
+    runs = np.frombuffer(data, np.uint8, -1, head.end())
+    if len(runs) % 2 or int(runs[1::2].sum(dtype=np.int64)) != depth * width * height:
+        raise file_error(
+            path,
+            f"holds {int(runs[1::2].sum(dtype=np.int64))} cells instead of"
+            f" {depth * width * height}; it is cut off or damaged",
+        )
+    cells = np.repeat(runs[::2] != 0, runs[1::2]).reshape(depth, height, width)
+    pitch = scale / max(depth, width, height)
+    return _shape(path, cells.transpose(0, 2, 1), pitch, translate)
+
+
+def _numbers(
+    path: Path, fields: dict[bytes, list[bytes]], name: bytes, count: int, example: str
+) -> list[float]:
+    """The numbers of a header line."""
+    try:
+        numbers = [float(token) for token in fields[name]]
+    except (KeyError, ValueError):
+        numbers = []
+    if len(numbers) != count or not all(map(math.isfinite, numbers)):
+        raise file_error(
+            path, f"has no header line like '{name.decode()} {example}'; it is damaged"
+        )
+    return numbers
+
+
+def _shape(path: Path, occupied: BoolArray, pitch: float, origin: npt.ArrayLike) -> Shape:
+    try:
+        return Shape.from_voxels(occupied, pitch=pitch, origin=origin, name=path.stem)
+    except ShapeError as error:
+        raise ShapeError(f"{path.name}: {error}") from error
+
+
+def _line(error: Exception) -> str:
+    return " ".join(str(error).split())[:80]

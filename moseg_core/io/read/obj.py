@@ -1,0 +1,127 @@
+"""OBJ files: statements, one a line, of which positions and faces make the shape.
+
+A label belongs to a face line, so face lines are kept one to one and in order, whatever objects,
+groups and materials they stand between, and a quad or larger polygon stays one polygon. Texture
+coordinates and normals do not cut the surface: corners are joined by position.
+
+An OBJ file has no counts. A file that was cut off between two lines cannot be told from a whole
+one unless faces then name vertices that are missing; one that was cut inside a line mostly can.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from moseg_core.errors import ShapeError
+from moseg_core.io.read.checked import file_error, read_file, shape_from_polygons
+from moseg_core.io.read.text_rows import (
+    Row,
+    integers,
+    leading_floats,
+    line_of_item,
+    text_rows,
+    word,
+)
+from moseg_core.shape.shape import Shape
+from moseg_core.types import IntArray
+
+# Geometry that is not polygons of this file: free-form patches, and other files.
+_UNSUPPORTED = frozenset(b"surf bsp bzp cdp call".split())
+
+# Statements without a say in which polygons there are. An unknown one is refused: it may be a
+# damaged face line, and every later label would then be off by one.
+_IGNORED = frozenset(
+    b"vt vn vp vw p l o g s mg t mtllib maplib usemtl usemap lod bevel c_interp d_interp"
+    b" shadow_obj trace_obj deg bmat step cstype res curv curv2 cdc parm trim hole scrv sp end con"
+    b" ctech stech csh".split()
+)
+
+
+def read_obj(path: Path) -> Shape:
+    r"""Read an OBJ file: one element per face line, in file order.
+
+    Parameters
+    ----------
+    path : Path
+
+    Returns
+    -------
+    Shape
+        Named after the file. Points and lines (``p``, ``l``) are no part of it.
+
+    Raises
+    ------
+    ShapeError
+        The file cannot be read or is not a polygon mesh in OBJ; says where and why.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = Path(folder) / "tile.obj"
+    ...     _ = file.write_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n")
+    ...     read_obj(file).n_elements
+    1
+    """
+    rows, lines = text_rows(read_file(path), continuation=True)
+    positions: list[Row] = []
+    position_lines: list[int] = []
+    faces: list[Row] = []
+    face_lines: list[int] = []
+    defined: list[int] = []  # how many positions there were before each face
+    for row, line in zip(rows, lines, strict=True):
+        keyword = row[0]
+        if keyword == b"v":
+            positions.append(row)
+            position_lines.append(line)
+        elif keyword == b"f" or keyword == b"fo":
+            faces.append(row)
+            face_lines.append(line)
+            defined.append(len(positions))
+        elif keyword not in _IGNORED:
+            raise _unexpected(path, keyword, line)
+    vertices = leading_floats(path, positions, position_lines, start=1)
+    corners, offsets = _faces(path, faces, face_lines, np.array(defined, np.int64), len(positions))
+    return shape_from_polygons(path, vertices, corners, offsets)
+
+
+def _unexpected(path: Path, keyword: bytes, line: int) -> ShapeError:
+    if keyword in _UNSUPPORTED:
+        what = f"{word(keyword)} is not supported; export the file with polygons (f) only"
+    else:
+        what = (
+            f"{word(keyword)} is not a statement of an OBJ file;"
+            " the file is damaged or of another format"
+        )
+    return file_error(path, what, line=line)
+
+
+def _faces(
+    path: Path, rows: list[Row], lines: list[int], defined: IntArray, n_vertices: int
+) -> tuple[IntArray, IntArray]:
+    """Zero-based corners and offsets of the face lines.
+
+    Numbers count from 1; negative ones count back from the last vertex defined before the face.
+    """
+    sizes = np.array([len(row) - 1 for row in rows], np.int64)
+    if (sizes < 3).any():
+        face = int(np.argmax(sizes < 3))
+        what = f"a face needs at least 3 corners, this one has {sizes[face]}; remove or repair it"
+        raise file_error(path, what, line=lines[face])
+    offsets = np.zeros(len(rows) + 1, np.int64)
+    np.cumsum(sizes, out=offsets[1:])
+    line_of = line_of_item(offsets, lines)
+    tokens = [token.partition(b"/")[0] for row in rows for token in row[1:]]
+    numbers = integers(path, tokens, line_of)
+    corners = np.where(numbers > 0, numbers - 1, numbers + np.repeat(defined, sizes))
+    outside = (numbers == 0) | (corners < 0) | (corners >= n_vertices)
+    if outside.any():
+        corner = int(np.argmax(outside))
+        what = (
+            f"the face names vertex {numbers[corner]}, but there are {n_vertices} vertices"
+            " (numbered from 1, or from -1 backwards); the file is cut off or damaged"
+        )
+        raise file_error(path, what, line=line_of(corner))
+    return corners, offsets

@@ -1,0 +1,161 @@
+"""PLY files: a polygon mesh or a point cloud, and the labels that faces or points may carry.
+
+Of the elements that a PLY file may hold (decoded by :mod:`moseg_core.io.read.ply_elements`) two
+make a shape: ``vertex`` with the properties x, y and z, and ``face`` with the list
+``vertex_indices`` or ``vertex_index``. Without faces the vertices are a point cloud, with the
+normals nx, ny, nz if they have such. Everything else is decoded, so that a damaged file is noticed,
+and dropped. A face, or a point of a cloud, may also have an integer property ``label``; the header
+then may name the labels in comments, ``comment moseg label <index> <name>``.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from moseg_core.io.read.checked import file_error, read_file, shape_from_polygons
+from moseg_core.io.read.clouds import shape_from_points
+from moseg_core.io.read.ply_elements import Numbers, PlyColumns, PlyLists, read_elements
+from moseg_core.io.read.ply_header import parse_header
+from moseg_core.shape.shape import Shape
+from moseg_core.types import FloatArray, IntArray
+
+_INDEX = re.compile(r"[0-9]{1,9}")
+_LISTS = ("vertex_indices", "vertex_index")
+
+
+def read_ply(path: Path) -> Shape:
+    r"""Read a PLY file, text or binary: one element per face or, without any, per point.
+
+    Parameters
+    ----------
+    path : Path
+
+    Returns
+    -------
+    Shape
+        Named after the file.
+
+    Raises
+    ------
+    ShapeError
+        The file cannot be read, is not a PLY file, or holds neither faces nor points.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> header = ["ply", "format ascii 1.0", "element vertex 4", "property float x",
+    ...           "property float y", "property float z", "element face 1",
+    ...           "property list uchar int vertex_indices", "end_header"]
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = Path(folder) / "tile.ply"
+    ...     _ = file.write_text("\n".join([*header, "0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n"]))
+    ...     read_ply(file).n_elements
+    1
+    """
+    data = read_file(path)
+    elements = read_elements(path, data, parse_header(path, data))
+    vertices = _vectors(path, elements.get("vertex", {}), "xyz")
+    if "tristrips" in elements:
+        raise file_error(path, "holds triangle strips, not faces; export it with faces")
+    faces = elements.get("face", {})
+    lists = [faces[name] for name in _LISTS if name in faces]
+    if faces and not lists:
+        raise file_error(
+            path,
+            f"has faces with {', '.join(faces)}, but without the list '{_LISTS[0]}';"
+            " export it again",
+        )
+    if not lists or not _count(lists[0]):
+        if not len(vertices):
+            raise file_error(path, "has neither faces nor vertices; export it again")
+        names = ("nx", "ny", "nz")
+        known = set(names) <= set(elements["vertex"])
+        normals = _vectors(path, elements["vertex"], names) if known else None
+        return shape_from_points(path, vertices, normals=normals)
+    found = lists[0]
+    if not isinstance(found, PlyLists) or found.values.dtype.kind not in "iu":
+        raise file_error(path, "has vertex indices that are not lists of integers; export it again")
+    return shape_from_polygons(path, vertices, found.values.astype(np.int64), found.offsets)
+
+
+def _count(column: Numbers | PlyLists) -> int:
+    return len(column.offsets) - 1 if isinstance(column, PlyLists) else len(column)
+
+
+def _vectors(path: Path, columns: PlyColumns, names: Sequence[str]) -> FloatArray:
+    axes = []
+    for axis in names:
+        column = columns.get(axis)
+        if column is None or isinstance(column, PlyLists):
+            raise file_error(
+                path, f"has no coordinate '{axis}' for its vertices; export it with x, y and z"
+            )
+        axes.append(column.astype(np.float64))
+    return np.stack(axes, axis=1)
+
+
+def read_ply_labels(path: Path) -> IntArray | None:
+    """The property ``label`` of the faces of a PLY file, or of the points of one without faces.
+
+    Parameters
+    ----------
+    path : Path
+
+    Returns
+    -------
+    (F,) int or None
+        As they stand in the file, in file order; None where there is no such property.
+
+    Raises
+    ------
+    ShapeError
+        The file cannot be read, is not a PLY file, or its labels are not integers.
+    """
+    data = read_file(path)
+    elements = read_elements(path, data, parse_header(path, data))
+    bearer = "face" if any(map(_count, elements.get("face", {}).values())) else "vertex"
+    column = elements.get(bearer, {}).get("label")
+    if column is None:
+        return None
+    if isinstance(column, PlyLists) or column.dtype.kind not in "iu":
+        raise file_error(
+            path, f"has a {bearer} property 'label' that is not one integer; export it as int"
+        )
+    return column.astype(np.int64)
+
+
+def read_ply_label_names(path: Path) -> dict[int, str]:
+    """The names of labels in the header of a PLY file.
+
+    Parameters
+    ----------
+    path : Path
+
+    Returns
+    -------
+    dict of int to str
+        From the header's lines ``comment moseg label <index> <name>``; a name may hold blanks.
+
+    Raises
+    ------
+    ShapeError
+        The file cannot be read or is not a PLY file, or an index is malformed or repeated.
+    """
+    names: dict[int, str] = {}
+    for comment in parse_header(path, read_file(path)).comments:
+        words = comment.split(maxsplit=3)
+        if words[:2] != ["moseg", "label"]:
+            continue
+        if len(words) < 4 or not _INDEX.fullmatch(words[2]):
+            raise file_error(
+                path, f"has the comment '{comment}'; it must read 'moseg label <index> <name>'"
+            )
+        index = int(words[2])
+        if index in names:
+            raise file_error(path, f"names label {index} twice: '{names[index]}' and '{words[3]}'")
+        names[index] = words[3]
+    return names

@@ -1,0 +1,68 @@
+"""The formats that a result is saved in: functions of a result that return bytes.
+
+They add nothing that depends on when or where they run: equal results give equal bytes.
+"""
+
+from __future__ import annotations
+
+from moseg_core.io.label_files import encode_seg
+from moseg_core.io.write.arrays import check_grid, encode_npy, encode_npz
+from moseg_core.io.write.glb import encode_glb
+from moseg_core.io.write.ply import encode_ply, encode_points_ply
+from moseg_core.search.result import Result
+from moseg_core.shape.mesh import PolygonMesh
+from moseg_core.shape.shape import Shape
+from moseg_core.view.palette import part_colors
+from moseg_core.view.point_bodies import drawable
+
+
+def write_seg(result: Result) -> bytes:
+    """One label number a line, element by element."""
+    return encode_seg(result.labels)
+
+
+def write_ply(result: Result) -> bytes:
+    """The input's polygons, or a clipped result's pieces; else a point for every element.
+
+    Each with its colour and label.
+    """
+    names, (surface, labels) = result.problem.labels, result.surface
+    colors = part_colors(len(names))
+    if not isinstance(surface, PolygonMesh):
+        return encode_points_ply(result.shape, labels, names, colors)
+    source = None if result.clipped is None else result.clipped.source
+    return encode_ply(surface, labels, names, colors, source=source)
+
+
+def write_npz(result: Result) -> bytes:
+    """Labels, names, places and areas as arrays."""
+    return encode_npz(result.shape, result.labels, result.problem.labels)
+
+
+def write_npy(result: Result) -> bytes:
+    """The voxel grid with the label of each cell."""
+    return encode_npy(result.shape, result.labels, result.problem.labels)
+
+
+def check_writable(suffix: str, shape: Shape) -> None:
+    """Refuse before the search what the writer of a suffix would refuse after it.
+
+    Parameters
+    ----------
+    suffix : str
+        Such as ".npy".
+    shape : Shape
+
+    Raises
+    ------
+    UsageError
+        The format cannot hold such a shape.
+    """
+    if suffix.lower() == ".npy":
+        check_grid(shape)
+
+
+def write_glb(result: Result) -> bytes:
+    """A scene with one coloured node per part, named by its label."""
+    names, (mesh, labels) = result.problem.labels, result.surface
+    return encode_glb(drawable(mesh), labels, names, part_colors(len(names)))

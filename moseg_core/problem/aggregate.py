@@ -1,0 +1,243 @@
+"""The aggregate objective: the weighted sum of all terms on a segmentation (Sec. 3).
+
+Values are remembered per objective and part (:mod:`moseg_core.components.memo`), checked against
+the range that the objective declares, and added up in the order written: calls within a term, times
+the weight, then term after term. Rounding is monotone, so replacing values by lower bounds in that
+same sum gives a lower bound of the cost to the last bit; :mod:`moseg_core.search.evaluator` uses
+this to leave out what cannot matter.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from moseg_core.components.cost import Cost
+from moseg_core.components.discovery.registry import describe
+from moseg_core.components.segmentation import Segmentation
+from moseg_core.errors import REPORT, PluginError, UsageError
+from moseg_core.problem.binding import BoundTerm
+from moseg_core.problem.slow_calls import under_watch
+
+Values = list[list[float | None]]
+"""Per term and call the value, or None where it is not known or left out."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class CallValue:
+    """The value of an objective for certain parts.
+
+    Parameters
+    ----------
+    labels : tuple of str
+        The parts' labels; empty for a global objective.
+    value : float or None
+        None where the term is left out because one of the parts is empty.
+    """
+
+    labels: tuple[str, ...]
+    value: float | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class TermValue:
+    """A term and what it comes to.
+
+    Parameters
+    ----------
+    text : str
+        As in the expression, without the weight: ``narrow(leg*)``.
+    objective : str
+        Id of the objective.
+    weight : float
+    calls : tuple of CallValue
+    worst : float
+        The greatest value that the objective can take, or the least where the weight is negative.
+    """
+
+    text: str
+    objective: str
+    weight: float
+    calls: tuple[CallValue, ...]
+    worst: float
+
+    @property
+    def value(self) -> float:
+        """Sum over the calls, without the weight."""
+        total = 0.0
+        for call in self.calls:
+            total += 0.0 if call.value is None else call.value
+        return total
+
+    @property
+    def weighted(self) -> float:
+        """What the term adds to the cost."""
+        return self.weight * self.value
+
+    @property
+    def at_worst(self) -> tuple[CallValue, ...]:
+        """The calls whose value is as bad as the objective can say."""
+        return tuple(
+            call
+            for call in self.calls
+            if call.value is not None and math.isclose(call.value, self.worst, rel_tol=1e-9)
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Evaluation:
+    """The cost of one segmentation, by term and part.
+
+    Parameters
+    ----------
+    cost : Cost
+    terms : tuple of TermValue
+    empty : tuple of str
+        Labels without a part to speak of.
+    broken_pins : int
+        Number of pinned elements that bear another label than theirs.
+    """
+
+    cost: Cost
+    terms: tuple[TermValue, ...]
+    empty: tuple[str, ...] = ()
+    broken_pins: int = 0
+
+
+def evaluate_segmentation(
+    terms: Sequence[BoundTerm],
+    labels: Sequence[str],
+    segmentation: Segmentation,
+    *,
+    broken_pins: int = 0,
+) -> Evaluation:
+    """Evaluate every term.
+
+    Parameters
+    ----------
+    terms : sequence of BoundTerm
+    labels : sequence of str
+        Name of each part.
+    segmentation : Segmentation
+    broken_pins : int
+        To be counted with the empty parts.
+    """
+    empty = empty_parts(terms, segmentation)
+    values: Values = [
+        [call_value(term, call, segmentation, empty, labels) for call in term.calls]
+        for term in terms
+    ]
+    reported = tuple(
+        TermValue(
+            text=term.term.call,
+            objective=term.id,
+            weight=term.weight,
+            calls=tuple(
+                CallValue(labels=tuple(labels[k] for k in call), value=value)
+                for call, value in zip(term.calls, row, strict=True)
+            ),
+            worst=term.objective.traits.range[1 if term.weight > 0 else 0],
+        )
+        for term, row in zip(terms, values, strict=True)
+    )
+    return Evaluation(
+        cost=Cost(sum(empty) + broken_pins, weighted_sum(terms, values)),
+        terms=reported,
+        empty=tuple(name for name, gone in zip(labels, empty, strict=True) if gone),
+        broken_pins=broken_pins,
+    )
+
+
+def empty_parts(terms: Sequence[BoundTerm], segmentation: Segmentation) -> list[bool]:
+    """Which parts are empty, or have no extent in one of the spaces that terms look at them in."""
+    spaces = dict.fromkeys([segmentation.level.space, *(term.space for term in terms)])
+    views = [segmentation.view(space) for space in spaces]
+    empty: list[bool] = np.any([v.summary.empty(v.shape) for v in views], axis=0).tolist()
+    return empty
+
+
+def leaves_out(term: BoundTerm, call: tuple[int, ...], empty: Sequence[bool]) -> bool:
+    """Whether a call would receive an empty part, and is therefore left out of the sum."""
+    concerned = range(len(empty)) if term.objective.traits.arity == "global" else call
+    return any(empty[k] for k in concerned)
+
+
+def call_value(
+    term: BoundTerm,
+    call: tuple[int, ...],
+    segmentation: Segmentation,
+    empty: Sequence[bool],
+    labels: Sequence[str],
+) -> float | None:
+    """The value of one call, remembered; None where one of its parts is empty.
+
+    Raises
+    ------
+    PluginError
+        The objective raised, or returned something that is not a number in its range. The
+        message names the objective, its distribution, the term and the labels.
+    """
+    if leaves_out(term, call, empty):
+        return None
+    segmentation = segmentation.view(term.space)
+    parts = segmentation.parts
+    level = segmentation.level
+    concerned = range(len(parts)) if term.objective.traits.arity == "global" else call
+    members = tuple(parts[k].membership for k in concerned)
+    key = (*term.memo_key, members, *level.key)
+
+    def compute() -> float:
+        subject: object = segmentation
+        if term.objective.traits.arity == "unary":
+            subject = parts[call[0]]
+        elif term.objective.traits.arity == "nary":
+            subject = tuple(parts[k] for k in call)
+        where = f"'{term.term.call}'" + (
+            f" for {', '.join(labels[k] for k in call)}" if call else ""
+        )
+        who = f"objective '{term.id}' of {term.distribution}"
+        try:
+            with under_watch(f"{who} in {where}"):
+                value = float(term.objective(subject, **term.parameters))
+        except UsageError as error:  # it says what is wrong with its parameters
+            raise UsageError(f"in {where}: {error}") from error
+        except Exception as error:  # a stranger's objective may raise anything
+            raise PluginError(f"{who} failed in {where}: {describe(error)}; {REPORT}") from error
+        return _in_range(value, term, where)
+
+    value: float = segmentation.memo.get(key, compute)
+    return value
+
+
+def _in_range(value: float, term: BoundTerm, where: str) -> float:
+    """The value, rounding beyond the declared range clipped; or an error."""
+    low, high = term.objective.traits.range
+    if math.isfinite(value) and low <= value <= high:
+        return value
+    if not math.isfinite(value):
+        raise PluginError(
+            f"objective '{term.id}' of {term.distribution} returned {value} in {where}; values"
+            f" must be finite; {REPORT}"
+        )
+    slack = 1e-9 * max([1.0, *(abs(end) for end in (low, high) if math.isfinite(end))])
+    if low - slack <= value <= high + slack:
+        return min(max(value, low), high)
+    raise PluginError(
+        f"objective '{term.id}' of {term.distribution} returned {value} in {where}; it declares"
+        f" values from {low:g} to {high:g}; {REPORT}"
+    )
+
+
+def weighted_sum(terms: Sequence[BoundTerm], values: Values) -> float:
+    """Sum of weight times value over all terms; what is None counts nothing."""
+    total = 0.0
+    for term, row in zip(terms, values, strict=True):
+        inner = 0.0
+        for value in row:
+            if value is not None:
+                inner += value
+        total += term.weight * inner
+    return total

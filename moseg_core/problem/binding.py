@@ -1,0 +1,245 @@
+"""Giving the names in an expression their meaning: objectives, labels, parameters.
+
+A term of the language becomes a :class:`BoundTerm`: an objective, its weight, and the *calls*
+that it stands for. A unary objective given several labels is called once for each, and the values
+add up; an n-ary one is called once with all of them; a global one once with no labels.
+"""
+
+from __future__ import annotations
+
+import fnmatch
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from moseg_core.components.discovery.registry import Registry
+from moseg_core.components.objectives import COST_ORDER
+from moseg_core.components.parameters import check_parameters
+from moseg_core.components.protocols import Objective
+from moseg_core.errors import ExpressionError, PluginError, UsageError, nearest, unknown
+from moseg_core.language import Argument, Expression, Term
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class BoundTerm:
+    """A term that can be evaluated.
+
+    Parameters
+    ----------
+    term : Term
+        As written.
+    id : str
+        ``bundle:name`` of the objective; ``python:name`` for one given as a function.
+    distribution : str
+        Where the objective comes from, for messages.
+    objective : Objective
+    parameters : dict of str to value
+    calls : tuple of tuple of int
+        For each call the indices of the labels whose parts it receives.
+    space : str
+        Where the parts are that it receives: "original", or the name of an embedding (Sec. 9).
+    """
+
+    term: Term
+    id: str
+    distribution: str
+    objective: Objective
+    parameters: dict[str, Any]
+    calls: tuple[tuple[int, ...], ...]
+    space: str = "original"
+
+    @property
+    def weight(self) -> float:
+        """The factor before the term, with its sign."""
+        return self.term.weight
+
+    @property
+    def cost_rank(self) -> int:
+        """0 for cheap objectives, up to 2 for expensive ones."""
+        return COST_ORDER[self.objective.traits.cost]
+
+    @property
+    def memo_key(self) -> tuple[Any, ...]:
+        """What tells this objective with these parameters from all others."""
+        # The object too: two functions of the calling program may have one name.
+        return (self.id, _Same(self.objective), tuple(sorted(self.parameters.items())))
+
+
+class _Same:
+    """Equal to itself for the same object, which need not be hashable; keeps it alive."""
+
+    def __init__(self, target: object) -> None:
+        self.target = target
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Same) and other.target is self.target
+
+    def __hash__(self) -> int:
+        return id(self.target)
+
+
+def bind(
+    expression: Expression,
+    labels: Sequence[str],
+    objectives: Mapping[str, Objective],
+    registry: Registry,
+    *,
+    spaces: Sequence[str] = ("original",),
+    space: str = "original",
+) -> tuple[BoundTerm, ...]:
+    """Look up everything that an expression names.
+
+    Parameters
+    ----------
+    expression : Expression
+    labels : sequence of str
+    objectives : mapping of str to Objective
+        Objectives given in Python; they come before installed ones of the same name.
+    registry : Registry
+    spaces : sequence of str
+        Where terms can be evaluated.
+    space : str
+        Where those are that do not say.
+
+    Raises
+    ------
+    ExpressionError
+        Unknown objective, label, space or parameter, with the nearest name; wrong number of labels.
+    PluginError
+        An objective whose bundle is broken.
+    """
+    text = expression.text or str(expression)
+    return tuple(
+        replace(
+            _bind_term(term, text, labels, objectives, registry),
+            space=_space(term, text, spaces, space),
+        )
+        for term in expression.terms
+    )
+
+
+def _space(term: Term, text: str, spaces: Sequence[str], default: str) -> str:
+    """Where a term is evaluated."""
+    if not term.space:
+        return default
+    if term.space not in spaces:
+        reason = unknown("space", term.space, spaces)
+        if len(spaces) == 1 and nearest(term.space, spaces) is None:
+            reason = f"there is no space '{term.space}'; give the embedding '{term.space}' too"
+        raise ExpressionError(reason, text, *term.space_span)
+    return term.space
+
+
+def _bind_term(
+    term: Term,
+    text: str,
+    labels: Sequence[str],
+    objectives: Mapping[str, Objective],
+    registry: Registry,
+) -> BoundTerm:
+    identifier, distribution, target = _find(term, text, labels, objectives, registry)
+    traits = target.traits
+    chosen = chosen_labels(term, text, labels)
+    _check_count(term, text, target, len(chosen))
+    parameters: dict[str, Any] = {}
+    optional = tuple(replace(parameter, required=False) for parameter in target.parameters)
+    # An expression made in Python need not say where its parameters stand.
+    spans = term.keys or (term.span,) * len(term.parameters)
+    for (key, value), span in zip(term.parameters, spans, strict=True):
+        try:
+            parameters |= check_parameters(optional, {key: value}, f"'{term.name}'")
+        except UsageError as error:
+            raise ExpressionError(str(error), text, *span) from error
+    try:
+        check_parameters(target.parameters, parameters, f"'{term.name}'")
+    except UsageError as error:
+        raise ExpressionError(str(error), text, *term.span) from error
+    if traits.arity == "unary":
+        calls: tuple[tuple[int, ...], ...] = tuple((index,) for index in chosen)
+    else:
+        calls = (tuple(chosen),)
+    return BoundTerm(
+        term=term,
+        id=identifier,
+        distribution=distribution,
+        objective=target,
+        parameters=parameters,
+        calls=calls,
+    )
+
+
+def _find(
+    term: Term,
+    text: str,
+    labels: Sequence[str],
+    objectives: Mapping[str, Objective],
+    registry: Registry,
+) -> tuple[str, str, Objective]:
+    """(id, distribution, objective) of a term's name."""
+    if term.name in objectives:
+        return f"python:{term.name}", "the calling program", objectives[term.name]
+    try:
+        component = registry.find("objective", term.name)
+    except UsageError as error:
+        reason = str(error)
+        known = [*objectives, *registry.names("objective")]
+        if term.name in labels:
+            reason = f"'{term.name}' is a label, not an objective; write objective({term.name})"
+        elif nearest(term.name, objectives) and "ambiguous" not in reason:
+            reason = unknown("objective", term.name, known)
+        raise ExpressionError(reason, text, *term.span) from error
+    target = component.load()
+    if not isinstance(target, Objective):
+        raise PluginError(
+            f"objective '{component.id}' of {component.distribution} is a"
+            f" {type(target).__name__} without traits and parameters; its authors should decorate"
+            f" it with @moseg_core.objective"
+        )
+    return component.id, component.distribution, target
+
+
+def chosen_labels(term: Term, text: str, labels: Sequence[str]) -> list[int]:
+    """Indices of the labels that a call names, globs in the order of the labels.
+
+    Raises
+    ------
+    ExpressionError
+        An unknown label, one that comes twice, or a glob that matches none.
+    """
+    chosen: list[int] = []
+    for argument in term.arguments:
+        for index in _match(argument, text, labels):
+            if index in chosen:
+                raise ExpressionError(
+                    f"label '{labels[index]}' is given twice to '{term.name}'", text, *argument.span
+                )
+            chosen.append(index)
+    return chosen
+
+
+def _match(argument: Argument, text: str, labels: Sequence[str]) -> list[int]:
+    if argument.is_glob:
+        found = [i for i, name in enumerate(labels) if fnmatch.fnmatchcase(name, argument.pattern)]
+        if not found:
+            raise ExpressionError(
+                f"'{argument.pattern}' matches none of the labels {', '.join(labels)}",
+                text,
+                *argument.span,
+            )
+        return found
+    if argument.pattern not in labels:
+        raise ExpressionError(unknown("label", argument.pattern, labels), text, *argument.span)
+    return [labels.index(argument.pattern)]
+
+
+def _check_count(term: Term, text: str, target: Objective, count: int) -> None:
+    traits = target.traits
+    if traits.arity == "global":
+        wrong = count > 0
+    elif traits.arity == "unary":
+        wrong = count == 0
+    else:
+        wrong = count < traits.least or (traits.most is not None and count > traits.most)
+    if wrong:
+        given = "none" if count == 0 else str(count)
+        raise ExpressionError(f"'{term.name}' takes {traits.takes}, not {given}", text, *term.span)

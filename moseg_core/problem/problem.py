@@ -1,0 +1,323 @@
+"""A problem: the labels that a shape should get, and what makes a labelling good (Sec. 3).
+
+To it belong constraints on the centres (Sec. 8, :mod:`moseg_core.problem.constraints`), and the
+embedding in which the partition lives and terms may be evaluated (Sec. 9).
+
+The whole expression is checked when the problem is made, before any shape is read: names,
+numbers of labels, parameters. Whether a particular shape has what the objectives require is
+checked when the two meet, and before the search.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
+from functools import cached_property
+from typing import Any
+
+import numpy.typing as npt
+
+from moseg_core.components.chosen import Choice, Ready, prepare
+from moseg_core.components.discovery.registry import Registry, measure_resolver, registry
+from moseg_core.components.memo import Memo
+from moseg_core.components.objectives import Requirement, objective
+from moseg_core.components.protocols import Objective, Parameterization
+from moseg_core.components.segmentation import Segmentation
+from moseg_core.errors import REPORT, PluginError, ShapeError, UsageError, unknown
+from moseg_core.language import Expression, parse
+from moseg_core.problem.aggregate import Evaluation, evaluate_segmentation
+from moseg_core.problem.binding import BoundTerm, bind
+from moseg_core.problem.constraint_calls import bind_rules
+from moseg_core.problem.constraints import Constraints
+from moseg_core.shape.shape import Shape
+
+ORIGINAL = "original"
+"""The space of a shape as the user gave it."""
+
+_LABEL = re.compile(r"\w+\Z", re.ASCII)
+
+
+class Problem:
+    """Labels and an aggregate objective.
+
+    Parameters
+    ----------
+    labels : sequence of str
+        Names of the parts: letters, digits and ``_``.
+    minimize : str or Expression
+        The aggregate, such as ``"3*narrow(handle) + convex_parts"``.
+    objectives : mapping of str to objective, optional
+        Objectives of your own, without a package: functions decorated with
+        :func:`moseg_core.objective`, or plain ones with an annotated first argument.
+    constraints : sequence of str or callable, optional
+        What centres must obey (Sec. 8): calls such as ``"mirror(leg2, leg1)"``, or functions
+        decorated with :func:`moseg_core.constraint`.
+    plane : str, optional
+        The plane of symmetry, for constraints that need one and are not given one: "auto", an
+        axis of the file, or what else they understand.
+    embedding : str, mapping or Choice, optional
+        A deformation of the shape in which the partition is found, such as "mds" (Sec. 9).
+    space : str, optional
+        Where terms are evaluated that do not say, "original" or the embedding's name.
+    registry : Registry, optional
+        Where to look for installed objectives; everything installed by default.
+
+    Raises
+    ------
+    ExpressionError
+        The expression is malformed or names something unknown; points at the place.
+    UsageError
+        No labels, malformed or repeated ones, or an objective or constraint that is none.
+
+    Examples
+    --------
+    >>> problem = Problem(["handle", "head"], "3*narrow(handle) + perpendicular(handle, head)")
+    >>> problem.labels
+    ('handle', 'head')
+    >>> str(problem.expression)
+    '3*narrow(handle) + perpendicular(handle, head)'
+    """
+
+    def __init__(
+        self,
+        labels: Sequence[str],
+        minimize: str | Expression,
+        *,
+        objectives: Mapping[str, Objective | Callable[..., float]] | None = None,
+        constraints: Sequence[str | Callable[..., Any]] = (),
+        plane: str | None = None,
+        embedding: str | Mapping[str, Any] | Choice | None = None,
+        space: str | None = None,
+        registry: Registry | None = None,
+    ) -> None:
+        self.labels = check_label_names(labels)
+        if not isinstance(minimize, str | Expression):
+            raise UsageError(f"minimize must be a text such as 'narrow(a)', not {minimize!r}")
+        self.expression = parse(minimize) if isinstance(minimize, str) else minimize
+        self._own = {name: _as_objective(name, f) for name, f in (objectives or {}).items()}
+        self._registry = registry
+        self.plane = plane
+        self.embedding = None if embedding is None else Choice.read(embedding, "embedding")
+        # Bound at once, so that a mistake shows where it is made.
+        self.bending: Ready | None = None
+        if self.embedding is not None:
+            self.bending = prepare(self.embedding, "embedding", self.registry)
+        spaces = [ORIGINAL, *([self.bending.component.spec.name] if self.bending else [])]
+        self.space = ORIGINAL if space is None else space
+        if self.space not in spaces:
+            hint = "" if self.embedding else "; give the embedding too"
+            raise UsageError(unknown("space", self.space, spaces) + hint)
+        self.terms = bind(
+            self.expression,
+            self.labels,
+            self._own,
+            self.registry,
+            spaces=spaces,
+            space=self.space,
+        )
+        if plane is not None and not isinstance(plane, str):
+            raise UsageError(f"plane must be a text such as 'auto' or 'x', not {plane!r:.60}")
+        self.rules = bind_rules(constraints, self.labels, self.registry, plane)
+        self._embedded: dict[Shape, Shape] = {}
+
+    def __getstate__(self) -> dict[str, Any]:
+        # Embedded shapes are large, and computed anew where they are needed.
+        return {key: value for key, value in self.__dict__.items() if key != "_embedded"}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._embedded = {}
+
+    def __repr__(self) -> str:
+        return f"Problem({list(self.labels)!r}, {str(self.expression)!r})"
+
+    @property
+    def registry(self) -> Registry:
+        """Where installed components are looked up."""
+        return registry() if self._registry is None else self._registry
+
+    @cached_property
+    def unary_terms(self) -> tuple[BoundTerm, ...]:
+        """The terms about single parts, on which labels are assigned (Sec. 6)."""
+        return tuple(term for term in self.terms if term.objective.traits.arity == "unary")
+
+    @cached_property
+    def alike(self) -> tuple[tuple[int, ...], ...]:
+        """Classes of labels of which the unary terms say the same, such as four legs."""
+        said = {
+            label: tuple(
+                (term.memo_key, term.weight, term.space)
+                for term in self.unary_terms
+                if (label,) in term.calls
+            )
+            for label in range(len(self.labels))
+        }
+        classes: list[list[int]] = []
+        for label in said:
+            for group in classes:
+                if said[group[0]] == said[label]:
+                    group.append(label)
+                    break
+            else:
+                classes.append([label])
+        return tuple(tuple(group) for group in classes)
+
+    def embed(self, shape: Shape) -> Shape:
+        """The shape in which the partition is found: embedded, or as it is (Sec. 9).
+
+        Parameters
+        ----------
+        shape : Shape
+            Of input elements, as the user gave it.
+
+        Returns
+        -------
+        Shape
+            Computed once for each shape, and kept as long as the problem.
+
+        Raises
+        ------
+        ShapeError
+            The shape cannot be embedded.
+        PluginError
+            The embedding broke its contract.
+        """
+        ready = self.bending
+        if ready is None or shape.original is not None:
+            return shape
+        if shape not in self._embedded:
+            name = ready.component.spec.name
+            with ready.guard():
+                bent = ready.make()(shape)
+            if not isinstance(bent, Shape) or bent.n_elements != shape.n_elements:
+                raise PluginError(f"{ready.who} must return a Shape of the same elements; {REPORT}")
+            self._embedded[shape] = replace(bent, space=name, original=shape)
+        return self._embedded[shape]
+
+    def constrain(self, partition: Parameterization, shape: Shape) -> Constraints:
+        """The constraints on the vectors of a partition of a shape (Sec. 8).
+
+        Raises
+        ------
+        UsageError
+            They contradict each other, or the shape has no plane that they need.
+        """
+        return Constraints(self.rules, partition, shape, self.labels)
+
+    def check(self, shape: Shape) -> None:
+        """Refuse a shape that this problem cannot be solved on.
+
+        Raises
+        ------
+        ShapeError
+            Fewer elements than labels, or a term that needs what the shape lacks.
+        """
+        if shape.n_elements < len(self.labels):
+            raise ShapeError(
+                f"'{shape.name}' has {shape.n_elements} {shape.noun}s, too few for"
+                f" {len(self.labels)} labels"
+            )
+        for term in self.terms:
+            seen = shape.in_space(term.space)
+            for requirement in sorted(term.objective.traits.requires):
+                missing = lack(seen, requirement)
+                if missing is not None:
+                    raise ShapeError(f"'{term.term.name}' needs {missing}")
+
+    def evaluate(
+        self, shape: Shape, labels: npt.ArrayLike, *, memo: Memo | None = None
+    ) -> Evaluation:
+        """Cost and terms of any labelling.
+
+        Parameters
+        ----------
+        shape : Shape
+        labels : (F,) array_like of int
+            Index into :attr:`labels` for every element.
+        memo : Memo, optional
+            To share values between several labellings of this shape.
+
+        Returns
+        -------
+        Evaluation
+
+        Raises
+        ------
+        ShapeError
+            The shape lacks something, or the labels do not fit it.
+
+        Examples
+        --------
+        >>> shape = Shape.from_mesh([[0, 0, 0], [3, 0, 0], [3, 1, 0], [0, 1, 0]], [[0, 1, 2, 3]])
+        >>> found = Problem(["a"], "narrow(a)").evaluate(shape, [0])
+        >>> round(found.cost.value, 6), found.terms[0].text
+        (0.166667, 'narrow(a)')
+        """
+        if any(term.space != ORIGINAL for term in self.terms):
+            shape = self.embed(shape)
+        self.check(shape)
+        measures = measure_resolver(self.registry)
+        segmentation = Segmentation.from_labels(
+            shape, labels, len(self.labels), memo=memo, measures=measures
+        )
+        return evaluate_segmentation(self.terms, self.labels, segmentation)
+
+
+def lack(shape: Shape, requirement: Requirement) -> str | None:
+    """What a shape lacks and what to do about it, in words; None where it lacks nothing."""
+    if requirement == "volume" and shape.volume is None:
+        repair = "repair the mesh, " if shape.has_surface else ""
+        return (
+            f"an enclosed volume, but '{shape.name}' encloses none: {shape.volume_reason};"
+            f" {repair}leave out the term or have it estimated (--volume VALUE|hull|winding)"
+        )
+    if requirement == "adjacency" and shape.adjacency is None:
+        return (
+            f"to know which elements touch, but '{shape.name}' does not say; leave out the term"
+            f" or take the nearest (--adjacency knn)"
+        )
+    if requirement == "surface" and not shape.has_surface:
+        if shape.solid:
+            return (
+                f"a surface, but the cells of '{shape.name}' fill a solid; leave out the term or"
+                f" read the surface alone (--voxels surface)"
+            )
+        return f"a surface, but '{shape.name}' is a {shape.geometry.kind}; leave out the term"
+    return None
+
+
+def check_label_names(labels: Sequence[str]) -> tuple[str, ...]:
+    """The labels as a tuple, or a UsageError that says which is malformed or repeated.
+
+    Examples
+    --------
+    >>> check_label_names(["a", "b", "a"])
+    Traceback (most recent call last):
+        ...
+    moseg_core.errors.UsageError: label 'a' is given twice; labels are distinct names
+    """
+    if isinstance(labels, str):
+        raise UsageError(f"labels must be a list of names, not the text '{labels}'")
+    if not isinstance(labels, Iterable):
+        raise UsageError(f"labels must be a list of names, not {labels!r}")
+    names = tuple(labels)
+    if not names:
+        raise UsageError("a problem needs at least one label")
+    for name in names:
+        if not isinstance(name, str) or not _LABEL.match(name):
+            raise UsageError(
+                f"label {name!r} is not allowed; labels are made of letters, digits and '_'"
+            )
+        if names.count(name) > 1:
+            raise UsageError(f"label '{name}' is given twice; labels are distinct names")
+    return names
+
+
+def _as_objective(name: str, given: Objective | Callable[..., float]) -> Objective:
+    if isinstance(given, Objective):
+        return given
+    try:
+        return objective()(given)
+    except TypeError as error:
+        raise UsageError(f"objective '{name}' cannot be used: {error}") from error

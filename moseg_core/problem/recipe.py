@@ -1,0 +1,315 @@
+"""Recipes: problems with a name, kept as TOML so that they can be read, sent and changed.
+
+::
+
+    description = "A narrow handle with a head set across it."
+    labels = ["handle", "head"]
+    minimize = "3*narrow(handle) + perpendicular(handle, head) + convex_parts"
+    seeder = "kmeans"                       # optional, as are labeler and optimizer
+    optimizer = "pattern_search(expansion=2)"
+    resolution = 2000                       # optional; or "full"
+    restarts = 4                            # optional, as is finalists
+
+A shape that is known to be symmetric, or that is to be unfolded, adds (Sec. 8 and 9)::
+
+    constraints = ["on_plane(head, body)", "mirror(leg2, leg1)"]
+    plane = "auto"                          # where the constraints do not say
+    embedding = "mds"                       # where the partition lives
+    space = "mds"                           # where terms are evaluated that do not say
+
+Parts are segmented in their turn by recipes of their own, with the same keys, or by one that has
+a name (:mod:`moseg_core.problem.hierarchy`). They are given for labels and globs::
+
+    [parts.head]
+    labels = ["ear1", "ear2", "skull"]
+    minimize = "narrow(ear*) + similar(ear*) + convex_parts"
+
+    [parts."leg*"]
+    recipe = "./leg.toml"                   # or the name of an installed one
+
+Bundles bring recipes through the hook ``moseg_recipes``; anybody else gives a path.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+from moseg_core.components.chosen import Choice
+from moseg_core.components.discovery.registry import Registry, registry
+from moseg_core.components.discovery.specs import Kind
+from moseg_core.errors import REPORT, PluginError, UsageError, unknown
+from moseg_core.language import parse
+from moseg_core.problem.hierarchy import Hierarchy, expand_parts, joined
+from moseg_core.problem.problem import Problem, check_label_names
+from moseg_core.problem.settings import Method, read_finalists, read_resolution, read_restarts
+
+_PROBLEM_KEYS = ("constraints", "plane", "embedding", "space")
+_METHOD_KEYS: tuple[Kind, ...] = ("parameterization", "seeder", "labeler", "optimizer")
+_EXTENT: dict[str, Callable[[object], Any]] = {
+    "resolution": read_resolution,
+    "restarts": read_restarts,
+    "finalists": read_finalists,
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Recipe:
+    """A named problem and the components to solve it with.
+
+    Parameters
+    ----------
+    name : str
+    labels : tuple of str
+    minimize : str
+    method : Method
+    description : str
+    constraints : tuple of str
+    plane : str or None
+    embedding : Choice or None
+    space : str or None
+        See :class:`moseg_core.Problem`.
+    parts : tuple of (str, Recipe)
+        For labels whose part is segmented in its turn, in their order.
+    """
+
+    name: str
+    labels: tuple[str, ...]
+    minimize: str
+    method: Method = field(default_factory=Method)
+    description: str = ""
+    constraints: tuple[str, ...] = ()
+    plane: str | None = None
+    embedding: Choice | None = None
+    space: str | None = None
+    parts: tuple[tuple[str, Recipe], ...] = ()
+
+    def problem(self, *, source: Registry | None = None) -> Problem:
+        """The problem that the recipe states for the whole shape.
+
+        Raises
+        ------
+        UsageError, PluginError
+            See :class:`moseg_core.Problem`.
+
+        Examples
+        --------
+        >>> load_recipe("hammer").problem().labels
+        ('handle', 'head')
+        """
+        return Problem(
+            self.labels,
+            self.minimize,
+            constraints=self.constraints,
+            plane=self.plane,
+            embedding=self.embedding,
+            space=self.space,
+            registry=source,
+        )
+
+    def hierarchy(self, *, source: Registry | None = None) -> Hierarchy:
+        """The problems for the whole and for its parts, each with its method.
+
+        Raises
+        ------
+        UsageError, PluginError
+            As for :meth:`problem`.
+
+        Examples
+        --------
+        >>> load_recipe("hammer").hierarchy().labels
+        ('handle', 'head')
+        """
+        parts = {label: part.hierarchy(source=source) for label, part in self.parts}
+        return Hierarchy(self.problem(source=source), parts, self.method)
+
+
+def parse_recipe(text: str, name: str, *, source: Registry | None = None) -> Recipe:
+    r"""Read the TOML text of a recipe.
+
+    Parameters
+    ----------
+    text : str
+    name : str
+        What to call it in messages.
+    source : Registry, optional
+        Where to look for recipes that it names for its parts.
+
+    Raises
+    ------
+    UsageError
+        Not TOML, an unknown or missing key, or a value of the wrong kind.
+
+    Examples
+    --------
+    >>> parse_recipe('labels = ["a"]\nminimize = "narrow(a)"', "mine").labels
+    ('a',)
+    """
+    return _parse(text, name, _Library(registry() if source is None else source))
+
+
+def load_recipe(name: str, *, source: Registry | None = None) -> Recipe:
+    """A recipe by name, or from a ``.toml`` file by path.
+
+    Raises
+    ------
+    UsageError
+        Unknown name, with the nearest; a file that does not exist or is malformed.
+    PluginError
+        The recipe's bundle is broken.
+
+    Examples
+    --------
+    >>> load_recipe("hammer").labels
+    ('handle', 'head')
+    """
+    return _Library(registry() if source is None else source).load(name)
+
+
+@dataclass(frozen=True)
+class _Library:
+    """Where recipes are found that others name, and which of them are being read.
+
+    Parameters
+    ----------
+    source : Registry
+    folder : Path
+        What paths are relative to: the folder of the file that gives them.
+    reading : tuple of str
+    """
+
+    source: Registry
+    folder: Path = Path()
+    reading: tuple[str, ...] = ()
+
+    def load(self, name: str) -> Recipe:
+        """A recipe by name or path."""
+        if name.endswith(".toml") or "/" in name or "\\" in name:
+            path = self.folder / name
+            try:
+                text = path.read_text(encoding="utf-8")
+            except (OSError, UnicodeDecodeError) as error:
+                raise UsageError(f"recipe '{name}' cannot be read: {error}") from error
+            return _parse(text, path.stem, self._within(str(path.resolve()), path.parent))
+        component = self.source.find("recipe", name)
+        text = component.load()
+        if not isinstance(text, str):
+            raise PluginError(
+                f"recipe '{component.id}' of {component.distribution} is a {type(text).__name__},"
+                f" not a text; {REPORT}"
+            )
+        recipe = _parse(text, component.spec.name, self._within(component.id, Path()))
+        return _in_full(recipe, component.bundle, self.source)
+
+    def _within(self, key: str, folder: Path) -> _Library:
+        """The library for the parts of a recipe, which may not name a recipe that it is part of."""
+        if key in self.reading:
+            raise UsageError(f"recipe '{key}' is among its own parts; parts end somewhere")
+        return _Library(self.source, folder, (*self.reading, key))
+
+
+def _parse(text: str, name: str, library: _Library) -> Recipe:
+    try:
+        table = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise UsageError(f"recipe '{name}' is not valid TOML: {error}") from error
+    return _read(table, name, library)
+
+
+def _read(table: Mapping[str, Any], name: str, library: _Library) -> Recipe:
+    allowed = ("description", "labels", "minimize", "parts", *_PROBLEM_KEYS, *_METHOD_KEYS)
+    allowed = (*allowed, *_EXTENT)
+    for key in table:
+        if key not in allowed:
+            raise UsageError(f"recipe '{name}': {unknown('key', key, allowed)}")
+    given = _required(table, "labels", list, name)
+    minimize = _required(table, "minimize", str, name)
+    description = _required({"description": ""} | dict(table), "description", str, name)
+    constraints = _required({"constraints": []} | dict(table), "constraints", list, name)
+    words = {key: _required(table, key, str, name) for key in ("plane", "space") if key in table}
+    try:
+        labels = check_label_names(given)
+        choices: dict[str, Any] = {
+            key: Choice.read(table[key], key) for key in _METHOD_KEYS if key in table
+        }
+        extent = {key: read(table[key]) for key, read in _EXTENT.items() if key in table}
+        embedding = None
+        if "embedding" in table:
+            embedding = Choice.read(table["embedding"], "embedding")
+        for text in constraints:
+            if not isinstance(text, str):
+                raise UsageError(f"a constraint is a text such as 'mirror(a, b)', not {text!r}")
+        nested = table.get("parts", {})
+        if not isinstance(nested, dict):
+            raise UsageError(f"'parts' must be tables such as [parts.head]; it is {nested!r}")
+        expand_parts(nested.items(), labels)
+    except UsageError as error:
+        raise UsageError(f"recipe '{name}': {error}") from error
+    read = [(key, _read_part(part, joined(name, key), library)) for key, part in nested.items()]
+    return Recipe(
+        name=name,
+        labels=labels,
+        minimize=minimize,
+        method=Method(**choices, **extent),
+        description=description,
+        constraints=tuple(constraints),
+        embedding=embedding,
+        parts=tuple(expand_parts(read, labels).items()),
+        **words,
+    )
+
+
+def _read_part(table: object, name: str, library: _Library) -> Recipe:
+    """The recipe of a part: a table with a recipe's keys, or with the name of one."""
+    if not isinstance(table, dict):
+        raise UsageError(f"recipe '{name}' must be a table with labels and minimize, or a recipe")
+    if "recipe" not in table:
+        return _read(table, name, library)
+    others = [key for key in table if key != "recipe"]
+    if others:
+        raise UsageError(f"recipe '{name}': 'recipe' stands alone, without '{others[0]}'")
+    return library.load(_required(table, "recipe", str, name))
+
+
+def _in_full(recipe: Recipe, bundle: str, source: Registry) -> Recipe:
+    """A bundle's recipe, in which names mean the bundle's own objectives (:func:`said_in_full`)."""
+    return replace(
+        recipe,
+        minimize=said_in_full(recipe.minimize, lambda word: f"{bundle}:{word}", source),
+        parts=tuple((label, _in_full(part, bundle, source)) for label, part in recipe.parts),
+    )
+
+
+def said_in_full(text: str, full: Callable[[str], str | None], source: Registry) -> str:
+    """An expression in which names that have become ambiguous stand for what was meant.
+
+    A recipe's own objectives are meant by its names, whatever is installed beside its bundle.
+
+    Parameters
+    ----------
+    text : str
+    full : callable
+        For the name of an objective the id that is meant, or None where that is not known.
+    source : Registry
+    """
+    expression = parse(text)
+    offered = [component.spec.name for component in source.components("objective")]
+    ids = [component.id for component in source.components("objective")]
+    terms = tuple(
+        replace(term, name=full(term.name) or term.name)
+        if offered.count(term.name) > 1 and full(term.name) in ids
+        else term
+        for term in expression.terms
+    )
+    return text if terms == expression.terms else str(replace(expression, terms=terms))
+
+
+def _required(table: Mapping[str, Any], key: str, kind: type, name: str) -> Any:
+    if not isinstance(table.get(key), kind):
+        what = "a list of texts" if kind is list else "a text"
+        found = repr(table[key]) if key in table else "missing"
+        raise UsageError(f"recipe '{name}': '{key}' must be {what}; it is {found}")
+    return table[key]

@@ -1,0 +1,256 @@
+"""From vectors to costs, in batches: labels, parts, terms (Sec. 4 and 7).
+
+The search spends its time here. Three things keep it short, none of which changes a result:
+
+- values of parts that were seen before are remembered (:mod:`moseg_core.components.memo`);
+- equal labellings in a batch are evaluated once;
+- where the optimizer promises that only the best of a batch matters, terms are evaluated from
+  cheap to expensive, and a candidate is dropped as soon as what is known of its cost, with every
+  missing term at the least value that it declares, is more than another candidate's cost. On a
+  horse this leaves out nearly all surface distances of a poll.
+"""
+
+from __future__ import annotations
+
+from moseg_core.components.cost import Cost
+from moseg_core.components.discovery.registry import measure_resolver
+from moseg_core.components.memo import Memo
+from moseg_core.components.protocols import Batch, Parameterization
+from moseg_core.components.segmentation import Segmentation
+from moseg_core.problem.aggregate import (
+    Evaluation,
+    Values,
+    call_value,
+    empty_parts,
+    evaluate_segmentation,
+    leaves_out,
+    weighted_sum,
+)
+from moseg_core.problem.binding import BoundTerm
+from moseg_core.problem.problem import Problem
+from moseg_core.search.assignment import UnaryCosts
+from moseg_core.shape.pins import NO_PINS, Pins
+from moseg_core.shape.shape import Shape
+from moseg_core.types import FloatArray, Int32Array, IntArray
+
+Found = tuple[Cost, FloatArray]
+"""A cost, and the (m,) vector that has it."""
+
+
+class ProblemEvaluator:
+    """The aggregate objective as a function of the parameterization's vectors.
+
+    Parameters
+    ----------
+    shape : Shape
+        The one that the partition is of: embedded, where the problem has an embedding.
+    problem : Problem
+    parameterization : Parameterization
+    pins : Pins, optional
+        Elements that must bear a label; each that does not counts like an empty part.
+    memo : Memo, optional
+        Shared values; a memory of its own by default.
+    input : ProblemEvaluator, optional
+        Where `shape` is a coarse one, the same on the shape of input elements.
+
+    Attributes
+    ----------
+    constraints : Constraints
+        What the problem asks of the parameterization's vectors.
+    evaluations : int
+        Number of candidates whose costs were asked for so far.
+    best : (Cost, (m,) float) or None
+        The least cost among them with its vector, to fall back on where something fails.
+    """
+
+    def __init__(
+        self,
+        shape: Shape,
+        problem: Problem,
+        parameterization: Parameterization,
+        *,
+        pins: Pins = NO_PINS,
+        memo: Memo | None = None,
+        input: ProblemEvaluator | None = None,
+    ) -> None:
+        problem.check(shape)
+        self.shape = shape
+        self.problem = problem
+        self.parameterization = parameterization
+        self.constraints = problem.constrain(parameterization, shape)
+        self.pins = pins
+        self.memo = Memo() if memo is None else memo
+        self.evaluations = 0
+        self.best: Found | None = None
+        self.input = self if input is None else input
+        self._measures = measure_resolver(problem.registry)
+
+    def labels(self, vector: FloatArray) -> Int32Array:
+        """(F,) int32: the labelling that a vector describes."""
+        labels: Int32Array = self.parameterization.labels(vector[None])[0]
+        return labels
+
+    def segmentation(self, labels: Int32Array) -> Segmentation:
+        """The parts of a labelling, sharing this evaluator's memory."""
+        return Segmentation.from_labels(
+            self.shape,
+            labels,
+            len(self.problem.labels),
+            memo=self.memo,
+            measures=self._measures,
+        )
+
+    def evaluate(self, vector: FloatArray) -> Evaluation:
+        """Cost by term and part of one vector."""
+        evaluation = self.evaluate_labels(self.labels(vector))
+        self._keep(evaluation.cost, vector)
+        return evaluation
+
+    def evaluate_labels(self, labels: Int32Array) -> Evaluation:
+        """Cost by term and part of one labelling."""
+        return evaluate_segmentation(
+            self.problem.terms,
+            self.problem.labels,
+            self.segmentation(labels),
+            broken_pins=self.pins.broken(labels),
+        )
+
+    def costs(self, batch: Batch) -> list[Cost]:
+        """Costs of a batch, exact where its promises do not allow otherwise.
+
+        Parameters
+        ----------
+        batch : Batch
+
+        Returns
+        -------
+        list of Cost
+            In the batch's order. A cost that cannot be the batch's best, or is not below its
+            cutoff, may be a lower bound that is not so either.
+        """
+        self.evaluations += len(batch.vectors)
+        first_of: dict[bytes, int] = {}
+        owner: list[int] = []
+        candidates: list[_Candidate] = []
+        for labels in self.parameterization.labels(batch.vectors):
+            segmentation = self.segmentation(labels)
+            key = segmentation.summary.hashes.tobytes()
+            owner.append(first_of.setdefault(key, len(candidates)))
+            if owner[-1] == len(candidates):
+                candidates.append(_Candidate(self, segmentation))
+        found = self._complete(candidates, batch)
+        costs = [found[k] for k in owner]
+        if costs:
+            least = min(costs)  # exact, by the batch's promises, unless it is beyond the cutoff
+            if batch.cutoff is None or least < batch.cutoff:
+                self._keep(least, batch.vectors[costs.index(least)])
+        return costs
+
+    def unary_costs(self, vector: FloatArray) -> UnaryCosts:
+        """The paper's cost matrix ``C`` for the parts of a vector (Sec. 6)."""
+        return UnaryCosts(self.problem, self.segmentation(self.labels(vector)), self.pins)
+
+    def order_cost(self, segmentation: Segmentation, order: IntArray) -> Cost:
+        """Cost of a segmentation when label ``j`` goes to its part ``order[j]``."""
+        permuted = segmentation.permuted(order)
+        return evaluate_segmentation(
+            self.problem.terms,
+            self.problem.labels,
+            permuted,
+            broken_pins=self.pins.broken(permuted.level_labels),
+        ).cost
+
+    def labelled_costs(self, vectors: FloatArray) -> list[tuple[IntArray, Cost]]:
+        """For each vector the best labels by the unary objectives, and the cost under them.
+
+        Labels that are in different roles of the constraints are not exchanged.
+
+        Parameters
+        ----------
+        vectors : (B, m) float
+            Their parts are taken to have no labels yet.
+
+        Returns
+        -------
+        list of (order, Cost)
+            ``order[j]`` is the part that label ``j`` goes to; the cost counts all terms.
+        """
+        self.evaluations += len(vectors)
+        found = []
+        for vector, labels in zip(vectors, self.parameterization.labels(vectors), strict=True):
+            segmentation = self.segmentation(labels)
+            order = UnaryCosts(self.problem, segmentation, self.pins).assign(
+                self.constraints.groups
+            )
+            cost = self.order_cost(segmentation, order)
+            if self.best is None or cost < self.best[0]:
+                self._keep(cost, self.parameterization.permute(vector, order))
+            found.append((order, cost))
+        return found
+
+    def _keep(self, cost: Cost, vector: FloatArray) -> None:
+        """Remember a candidate if it is the best so far."""
+        if self.best is None or cost < self.best[0]:
+            self.best = cost, vector.copy()
+
+    def _complete(self, candidates: list[_Candidate], batch: Batch) -> list[Cost]:
+        """Costs of distinct candidates, dropping those that cannot matter."""
+        limit = batch.cutoff
+        ranks = sorted({term.cost_rank for term in self.problem.terms})
+        if not batch.best_only:
+            for candidate in candidates:
+                for rank in ranks:
+                    if limit is not None and candidate.cost >= limit:
+                        break
+                    candidate.evaluate(rank)
+            return [candidate.cost for candidate in candidates]
+        # Cheapest terms of all first: the most promising candidate then sets the mark early.
+        best: tuple[Cost, int] | None = None
+        fewest = min((candidate.violations for candidate in candidates), default=0)
+        hopeful = [k for k, c in enumerate(candidates) if c.violations == fewest]
+        for k in hopeful:
+            candidates[k].evaluate(ranks[0])
+        for k in sorted(hopeful, key=lambda k: (candidates[k].cost, k)):
+            candidate = candidates[k]
+            for rank in ranks[1:]:
+                if limit is not None and candidate.cost >= limit:
+                    break
+                if best is not None and (candidate.cost, k) > best:
+                    break
+                candidate.evaluate(rank)
+            else:
+                if best is None or (candidate.cost, k) < best:
+                    best = (candidate.cost, k)
+        return [candidate.cost for candidate in candidates]
+
+
+class _Candidate:
+    """A segmentation some of whose terms are evaluated; the others stand at their least."""
+
+    def __init__(self, evaluator: ProblemEvaluator, segmentation: Segmentation) -> None:
+        self.terms = evaluator.problem.terms
+        self.names = evaluator.problem.labels
+        self.segmentation = segmentation
+        self.empty = empty_parts(self.terms, segmentation)
+        self.violations = sum(self.empty) + evaluator.pins.broken(segmentation.level_labels)
+        self.values: Values = [
+            [None if leaves_out(term, call, self.empty) else _least(term) for call in term.calls]
+            for term in self.terms
+        ]
+        self.cost = Cost(self.violations, weighted_sum(self.terms, self.values))
+
+    def evaluate(self, rank: int) -> None:
+        """Evaluate the terms of one cost class; `cost` becomes a better lower bound."""
+        for t, term in enumerate(self.terms):
+            if term.cost_rank == rank:
+                for c, call in enumerate(term.calls):
+                    self.values[t][c] = call_value(
+                        term, call, self.segmentation, self.empty, self.names
+                    )
+        self.cost = Cost(self.violations, weighted_sum(self.terms, self.values))
+
+
+def _least(term: BoundTerm) -> float:
+    """The value of a call that adds the least to the cost."""
+    low, high = term.objective.traits.range
+    return low if term.weight > 0 else high

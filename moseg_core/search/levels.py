@@ -1,0 +1,437 @@
+"""Segmenting parts in their turn, and putting all levels into one result (Fig. 8).
+
+The whole is segmented first. Each part whose label has a problem of its own is then taken out as a
+shape of its own (:mod:`moseg_core.shape.subshape`) and segmented as if it had come from a file:
+with its own unit coordinates, method and starts, and the same seed. So what is found on a part is
+what :func:`moseg_core.segment` finds on it, and levels never go back on what was decided above
+them.
+
+A part that cannot be divided stays whole under its own name, with a warning that says why: it is
+empty, it has fewer elements than there are labels for it, it lacks what a term or a constraint
+needs, or the run was asked to stop before its turn.
+
+The levels are merged by :class:`moseg_core.problem.hierarchy.Hierarchy`'s rules: labels are paths,
+costs add up. History, method and warnings of a part bear its path in front: ``head: search``.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, TypedDict, Unpack
+
+import numpy as np
+import numpy.typing as npt
+
+from moseg_core.components.chosen import Choice
+from moseg_core.components.protocols import Centers, Progress, Report
+from moseg_core.errors import MosegError, ShapeError, UsageError
+from moseg_core.problem.hierarchy import Hierarchy, combined, joined
+from moseg_core.problem.problem import Problem
+from moseg_core.problem.recipe import Recipe
+from moseg_core.problem.settings import read_resolution, settled
+from moseg_core.search.restarts import Listener
+from moseg_core.search.result import Result
+from moseg_core.search.segment import check_limits, prepare_method, segment
+from moseg_core.shape.shape import Shape
+from moseg_core.shape.subshape import subshape
+from moseg_core.types import FloatArray, IntArray
+
+_KINDS = ("parameterization", "seeder", "labeler", "optimizer")
+
+
+class Options(TypedDict, total=False):
+    """What :func:`moseg_core.segment` can be told about the search, here for all levels."""
+
+    seeder: str | Mapping[str, Any] | Choice | None
+    labeler: str | Mapping[str, Any] | Choice | None
+    optimizer: str | Mapping[str, Any] | Choice | None
+    parameterization: str | Mapping[str, Any] | Choice | None
+    restarts: int | str | None
+    finalists: int | str | None
+    resolution: int | str | None
+    settings: str
+    seed: int
+    max_seconds: float | None
+    workers: int
+    report: Report | None
+
+
+def segment_hierarchy(
+    shape: Shape,
+    task: Hierarchy | Recipe | Problem,
+    *,
+    start: Centers | Result | None = None,
+    freeze: Sequence[str] = (),
+    pins: Mapping[str, npt.ArrayLike] | None = None,
+    **options: Unpack[Options],
+) -> Result:
+    """Segment a shape, then its parts, and so on.
+
+    Parameters
+    ----------
+    shape : Shape
+    task : Hierarchy, Recipe or Problem
+        A plain problem is segmented as by :func:`moseg_core.segment`.
+    start, freeze, pins
+        As for :func:`moseg_core.segment`, about the first level only: by its labels.
+    **options
+        ``seeder``, ``labeler``, ``optimizer``, ``parameterization``, ``restarts``,
+        ``finalists``, ``resolution``, ``settings``, ``seed``, ``max_seconds``, ``workers`` and
+        ``report``, as for :func:`moseg_core.segment`; in place of what the levels' own methods
+        say, on every level. The seeder "given" is about the first level only. The seconds are
+        shared: each level gets its part of what is left. Reports tell the level in the stage.
+
+    Returns
+    -------
+    Result
+        Its labels are the leaves' paths, its cost is the sum over all levels.
+
+    Raises
+    ------
+    UsageError, ShapeError, PluginError
+        As for :func:`moseg_core.segment`, with what was found on all levels as the error's
+        ``result``. What is wrong with a single part is a warning.
+
+    Examples
+    --------
+    >>> import moseg_core as moseg
+    >>> shape = moseg.load(moseg.sample_path("hammer"))
+    >>> task = moseg.Hierarchy(moseg.Problem(["handle", "head"], "narrow(handle)"),
+    ...                        {"head": moseg.Problem(["face", "claw"], "compact(face)")})
+    >>> result = moseg.segment_hierarchy(shape, task, optimizer="pattern_search(max_evaluations=9)")
+    >>> list(result.parts)
+    ['handle', 'head/face', 'head/claw']
+    """
+    hierarchy = _as_hierarchy(task)
+    check_hierarchy(hierarchy, options)
+    descent = _Descent.of(hierarchy, options)
+    whole = descent.search(shape, hierarchy, "", start=start, freeze=freeze, pins=pins)
+    return descent.merged(whole, hierarchy)
+
+
+def refine(
+    result: Result,
+    parts: Mapping[str, Problem | Hierarchy | Recipe],
+    **options: Unpack[Options],
+) -> Result:
+    """Segment the parts of a result further.
+
+    Parameters
+    ----------
+    result : Result
+        Of one level.
+    parts : mapping of str to Problem, Hierarchy or Recipe
+        By label or glob of the result.
+    **options
+        As for :func:`segment_hierarchy`; the seed is the result's unless given.
+
+    Returns
+    -------
+    Result
+        The same as :func:`segment_hierarchy` finds if its first level is this result.
+
+    Raises
+    ------
+    UsageError
+        An unknown label, or a result of several levels.
+
+    Examples
+    --------
+    >>> import moseg_core as moseg
+    >>> shape = moseg.load(moseg.sample_path("hammer"))
+    >>> few = "pattern_search(max_evaluations=9)"
+    >>> result = moseg.segment(
+    ...     shape, moseg.Problem(["handle", "head"], "narrow(handle)"), optimizer=few)
+    >>> ends = moseg.Problem(["a", "b"], "compact(a)")
+    >>> list(moseg.refine(result, {"head": ends}, optimizer=few).parts)
+    ['handle', 'head/a', 'head/b']
+    """
+    if isinstance(result.problem, Hierarchy):
+        raise UsageError(
+            "the result is of several levels; nest problems in the Hierarchy of a part instead"
+        )
+    hierarchy = Hierarchy(
+        result.problem, {label: _as_hierarchy(part) for label, part in parts.items()}
+    )
+    options.setdefault("seed", result.seed)
+    check_hierarchy(hierarchy, options)
+    descent = _Descent.of(hierarchy, options)
+    descent.left -= 1
+    return descent.merged(result, hierarchy)
+
+
+def check_hierarchy(hierarchy: Hierarchy, options: Mapping[str, Any]) -> None:
+    """Check on every level what can be checked before a shape is there.
+
+    Parameters
+    ----------
+    hierarchy : Hierarchy
+    options : mapping
+        As for :func:`segment_hierarchy`.
+
+    Raises
+    ------
+    TypeError
+        An option that there is not.
+    UsageError, PluginError
+        An unknown component or parameter, or a resolution too low for the labels of a level.
+    """
+    unknown = options.keys() - Options.__annotations__.keys()
+    if unknown:
+        raise TypeError(f"unexpected options {', '.join(sorted(unknown))}")
+    check_limits(options.get("seed", 0), options.get("max_seconds"))
+    for path, level in hierarchy.levels():
+        mine = _for_level(options, path)
+        prepare_method(level.problem, level.method, {kind: mine.get(kind) for kind in _KINDS})
+        size = mine.get("resolution")
+        if size is None:
+            size = settled(level.method, options.get("settings", "default")).resolution
+        size, count = read_resolution(size), len(level.problem.labels)
+        if size != "full" and int(size) < count:
+            where = f" of '{path}'" if path else ""
+            raise UsageError(f"a resolution of {size} is too low for the {count} labels{where}")
+
+
+def _as_hierarchy(task: Hierarchy | Recipe | Problem) -> Hierarchy:
+    if isinstance(task, Hierarchy):
+        return task
+    if isinstance(task, Recipe):
+        return task.hierarchy()
+    if isinstance(task, Problem):
+        return Hierarchy(task)
+    raise UsageError(f"a Hierarchy, Recipe or Problem is needed, not {task!r:.60}")
+
+
+def _for_level(options: Mapping[str, Any], path: str) -> dict[str, Any]:
+    """The options for one level: centres given by hand are those of the whole."""
+    mine: dict[str, Any] = dict(options)
+    if path and mine.get("seeder") is not None:
+        name = Choice.read(mine["seeder"], "seeder").name
+        if name.removeprefix("core:") == "given":
+            del mine["seeder"]
+    return mine
+
+
+@dataclass(kw_only=True)
+class _Descent:
+    """A run over all levels: what they share, and what was found so far.
+
+    Parameters
+    ----------
+    options : Options
+    listener : Listener
+    deadline : float or None
+        On the clock of :func:`time.monotonic`.
+    left : int
+        Levels whose turn is yet to come.
+    found : dict of str to Result
+        Of each level searched, by path.
+    whole : list of str
+        Why parts were left whole.
+    failure : MosegError or None
+        What ended the run; the levels whose turn was to come are left whole.
+    """
+
+    options: Options
+    listener: Listener
+    deadline: float | None
+    left: int
+    found: dict[str, Result] = field(default_factory=dict)
+    whole: list[str] = field(default_factory=list)
+    failure: MosegError | None = None
+
+    @classmethod
+    def of(cls, hierarchy: Hierarchy, options: Options) -> _Descent:
+        """A run that has not begun."""
+        seconds = options.get("max_seconds")
+        return cls(
+            options=options,
+            listener=Listener(options.get("report") or _silent),
+            deadline=None if seconds is None else time.monotonic() + seconds,
+            left=sum(1 for _ in hierarchy.levels()),
+        )
+
+    def search(self, shape: Shape, level: Hierarchy, path: str, **more: Any) -> Result:
+        """Segment one level, in its share of the time that is left."""
+        mine = _for_level(self.options, path)
+        if self.deadline is not None:
+            mine["max_seconds"] = max(0.0, self.deadline - time.monotonic()) / max(1, self.left)
+        self.left -= 1
+        mine["report"] = _located(self.listener, path)
+        try:
+            return segment(shape, level.problem, method=level.method, **mine, **more)
+        except MosegError as error:
+            if error.result is None:
+                raise
+            self.failure = error
+            found: Result = error.result
+            return found
+
+    def merged(self, result: Result, hierarchy: Hierarchy) -> Result:
+        """The result of the first level with those of all parts put in its place.
+
+        Raises
+        ------
+        MosegError
+            It had ended the run; it carries the merged result.
+        """
+        found = self._merged(result, hierarchy)
+        if self.failure is not None:
+            self.failure.result = replace(found, reason="failed")
+            raise self.failure
+        return found
+
+    def _merged(self, result: Result, hierarchy: Hierarchy) -> Result:
+        tree = self.descend(result, hierarchy, "")
+        warnings = [
+            f"{path}: {warning}" if path else warning
+            for path, level in self.found.items()
+            for warning in level.warnings
+        ] + self.whole
+        if len(self.found) == 1:
+            return replace(result, warnings=tuple(warnings))
+        levels = self.found
+        return Result(
+            shape=result.shape,
+            problem=tree.hierarchy,
+            labels=tree.leaves.astype(np.int32),
+            evaluation=combined({path: level.evaluation for path, level in levels.items()}),
+            centers=Centers(positions=tree.positions, weights=tree.weights),
+            history=dict(_prefixed(levels, lambda level: level.history)),
+            method=dict(_prefixed(levels, lambda level: level.method)),
+            seed=result.seed,
+            versions=dict(sorted(pair for r in levels.values() for pair in r.versions.items())),
+            reason=_reason([level.reason for level in levels.values()]),
+            dimension=(
+                sum(level.dimension[0] for level in levels.values()),
+                sum(level.dimension[1] for level in levels.values()),
+            ),
+            warnings=tuple(warnings),
+            levels=dict(levels),
+        )
+
+    def descend(self, result: Result, level: Hierarchy, path: str) -> _Tree:
+        """Segment the parts of a level that was segmented, and theirs."""
+        self.found[path] = result
+        labels = level.problem.labels
+        parts: dict[str, _Tree] = {}
+        members = [np.flatnonzero(result.labels == k) for k in range(len(labels))]
+        for label, child in level.children.items():
+            elements = members[labels.index(label)]
+            inner = joined(path, label)
+            later = self.left - sum(1 for _ in child.levels())
+            try:
+                part = self.part(result, elements, label, child)
+                divided = self.search(part, child, inner)
+            except MosegError as error:
+                if not isinstance(error, (ShapeError, UsageError)):
+                    self.failure = error
+                self.left = later
+                self.whole.append(f"part '{inner}' is left whole: {error}")
+                continue
+            parts[label] = self.descend(divided, child, inner)
+        return _Tree.of(result, level, parts, members)
+
+    def part(self, result: Result, elements: IntArray, label: str, child: Hierarchy) -> Shape:
+        """A part as a shape that its problem can be solved on, or an error that says why not."""
+        if self.failure is not None:
+            raise UsageError("the run failed before its turn")
+        if self.listener.stopped:
+            raise UsageError("the run was interrupted before its turn")
+        if label in result.evaluation.empty:
+            raise ShapeError("it is empty")
+        if len(elements) < len(child.problem.labels):
+            raise ShapeError(
+                f"it has {len(elements)} {result.shape.geometry.noun}s, too few for"
+                f" {len(child.problem.labels)} labels"
+            )
+        part = subshape(result.shape, elements, name=joined(result.shape.name, label))
+        child.problem.check(child.problem.embed(part))
+        return part
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Tree:
+    """A level with all that is below it: the labels of its elements, and centres by leaf.
+
+    Parameters
+    ----------
+    hierarchy : Hierarchy
+        Without the parts that were left whole.
+    leaves : (k,) int
+        Index into the hierarchy's labels for every element of the level's shape.
+    positions : (n, 3) float
+    weights : (n,) float
+    """
+
+    hierarchy: Hierarchy
+    leaves: IntArray
+    positions: FloatArray
+    weights: FloatArray
+
+    @classmethod
+    def of(
+        cls,
+        result: Result,
+        level: Hierarchy,
+        parts: Mapping[str, _Tree],
+        members: Sequence[IntArray],
+    ) -> _Tree:
+        """A level's result with those of its divided parts."""
+        leaves = np.empty(result.shape.n_elements, np.int64)
+        positions, weights = [], []
+        first = 0
+        for k, label in enumerate(level.problem.labels):
+            if label in parts:
+                part = parts[label]
+                leaves[members[k]] = first + part.leaves
+                positions.append(part.positions)
+                weights.append(part.weights)
+                first += len(part.weights)
+            else:
+                leaves[members[k]] = first
+                positions.append(result.centers.positions[k : k + 1])
+                weights.append(result.centers.weights[k : k + 1])
+                first += 1
+        kept = {label: part.hierarchy for label, part in parts.items()}
+        return cls(
+            hierarchy=replace(level, parts=kept),
+            leaves=leaves,
+            positions=np.concatenate(positions),
+            weights=np.concatenate(weights),
+        )
+
+
+def _prefixed(
+    levels: Mapping[str, Result], of: Callable[[Result], Mapping[str, Any]]
+) -> Iterator[tuple[str, Any]]:
+    """What is kept by name on every level, the names with the path in front."""
+    for path, level in levels.items():
+        for name, value in of(level).items():
+            yield (f"{path}: {name}" if path else name), value
+
+
+def _reason(reasons: Sequence[str]) -> str:
+    """Why the whole run ended: what cut it short before what any level met."""
+    for short in ("failed", "interrupted", "seconds"):
+        if short in reasons:
+            return short
+    return next((reason for reason in reasons if reason != "converged"), "converged")
+
+
+def _located(report: Report, path: str) -> Report:
+    """Reports that tell which level they are about."""
+
+    def told(progress: Progress) -> bool:
+        if path:
+            progress = replace(progress, stage=f"{path}: {progress.stage}")
+        return report(progress)
+
+    return told
+
+
+def _silent(progress: Progress) -> bool:
+    """Report nothing, and go on."""
+    return False

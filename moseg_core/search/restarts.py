@@ -1,0 +1,305 @@
+"""Several starts, on a coarse shape first: how the searches of one run are put together.
+
+A shape of many elements is searched on a coarse version of it (:mod:`moseg_core.shape.coarse`),
+from several starts; :mod:`moseg_core.search.run` does a single one. Where a search ends hangs more
+on where it began than on how long it took, so many are tried for a while, the better half goes on
+for longer, and so forth, until a few finalists are left that go on to the end (successive halving:
+Jamieson and Talwalkar 2016, arXiv:1502.07943). What was found is then partitioned element by
+element, ranked by what it costs now, and the first few are polished: a short pattern search with
+small steps. The cost that is reported is always that of the input elements.
+
+Starts, finalists and polishing go to several processes (:mod:`moseg_core.search.workers`), if
+wanted. What is found does not depend on their number.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from moseg_core.components.chosen import Choice, Ready, prepare
+from moseg_core.components.discovery.specs import Kind
+from moseg_core.components.protocols import Centers, Progress, Report
+from moseg_core.errors import MosegError, UsageError
+from moseg_core.search.beginning import begin
+from moseg_core.search.best_so_far import Crew
+from moseg_core.search.evaluator import ProblemEvaluator
+from moseg_core.search.run import Outcome, Run, go_on, set_up
+from moseg_core.search.workers import Task, Workers
+from moseg_core.shape.coarse import coarsen
+from moseg_core.shape.pins import Pins
+from moseg_core.shape.shape import Shape
+
+#: A coarse shape is used where it has fewer elements by this factor.
+_WORTH = 1.5
+#: Where a pattern search on a coarse shape ends by default, in diagonals.
+_ROUGH = 5e-3
+#: After how many evaluations for each coordinate starts are first judged, and by what factor
+#: this grows from each time to the next, when half as many are left.
+_TRIAL, _LONGER = 20, 3
+#: How many of the coarse results are polished, and how.
+_POLISHED = 2
+_POLISH = Choice(
+    "core:pattern_search", {"pattern_size": 0.01, "threshold": 1e-4, "max_evaluations": 300}
+)
+
+
+class Listener:
+    """Passes reports on, and remembers that it was once asked to stop."""
+
+    def __init__(self, report: Report) -> None:
+        self._report = report
+        self.stopped = False
+
+    def __call__(self, progress: Progress) -> bool:
+        """Pass a report on; whether anybody has asked to stop so far."""
+        self.stopped = bool(self._report(progress)) or self.stopped
+        return self.stopped
+
+
+def searched_shape(shape: Shape, resolution: int | str, pins: Pins) -> Shape:
+    """The shape to search on: a coarse one where that is clearly smaller."""
+    if resolution == "full" or shape.n_elements <= _WORTH * int(resolution):
+        return shape
+    coarse = coarsen(shape, int(resolution), pins=pins)
+    return coarse if shape.n_elements > _WORTH * coarse.n_elements else shape
+
+
+def rougher(ready: dict[Kind, Ready], settings: str) -> dict[Kind, Ready]:
+    """The components with the default search ending at steps that super-elements can feel."""
+    optimizer = ready["optimizer"]
+    plain = optimizer.component.id == "core:pattern_search" and not optimizer.parameters
+    if settings != "default" or not plain:
+        return ready
+    return {**ready, "optimizer": replace(optimizer, parameters={"threshold": _ROUGH})}
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Attempt:
+    """A start, as far as it has come.
+
+    Parameters
+    ----------
+    run : Run
+    outcome : Outcome
+    drew : bool
+        Whether random numbers were drawn: without any, all starts are the same.
+    """
+
+    run: Run
+    outcome: Outcome
+    drew: bool
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Plan:
+    """Everything that the starts of a run have in common.
+
+    Parameters
+    ----------
+    rough, whole : ProblemEvaluator
+        On the shape that is searched, and on that of the input elements; one and the same where
+        the search is on those.
+    ready : mapping of kind to Ready
+    restarts, finalists : int
+        Number of starts, and how many of them go on to the end.
+    seed : int
+    start : Centers or None
+        Where all begin, instead of seeding and labeling.
+    frozen : sequence of int
+        Labels whose centres stay where they start.
+    deadline : float or None
+        On the clock of :func:`time.monotonic`.
+    repeats : bool
+        Whether starts that draw no random numbers are repeated all the same.
+    """
+
+    rough: ProblemEvaluator
+    whole: ProblemEvaluator
+    ready: Mapping[Kind, Ready]
+    restarts: int
+    finalists: int
+    seed: int
+    start: Centers | None
+    frozen: Sequence[int]
+    deadline: float | None
+    repeats: bool
+
+    @property
+    def races(self) -> bool:
+        """Whether starts are judged before their end; a limit on evaluations is its own end."""
+        limit = self.ready["optimizer"].parameters.get("max_evaluations")
+        return self.finalists < self.restarts and limit is None
+
+    def attempt(self, k: int, *, report: Report) -> Attempt:
+        """Start number `k`: search for a while, or to the end where none is dropped."""
+        rng = np.random.default_rng(self.seed if k == 0 else [self.seed, k])
+        fresh = rng.bit_generator.state
+        run = begin(
+            self.rough,
+            self.ready,
+            rng=rng,
+            report=report,
+            start=self.start,
+            frozen=self.frozen,
+            deadline=self.deadline,
+        )
+        until = _TRIAL * int(run.free.sum()) if self.races else math.inf
+        outcome = self.advance(run, until, report=report)
+        return Attempt(run=run, outcome=outcome, drew=rng.bit_generator.state != fresh)
+
+    def further(self, run: Run, until: float, *, report: Report) -> tuple[Run, Outcome]:
+        """Take up a start where it was left; the run comes back, since it may have been a copy."""
+        return run, self.advance(run, until, report=report)
+
+    def advance(self, run: Run, until: float, *, report: Report) -> Outcome:
+        """Search until so many evaluations are done."""
+        optimizer = self.ready["optimizer"]
+        return go_on(run, self.rough, optimizer, report=report, deadline=self.deadline, until=until)
+
+    def polish(self, outcome: Outcome, *, report: Report) -> Outcome:
+        """Improve on input elements what was found on super-elements."""
+        ready = prepare(_POLISH, "optimizer", self.whole.problem.registry)
+        rng = np.random.default_rng(0)
+        run = set_up(self.whole, ready, outcome.vector, rng=rng, frozen=self.frozen, stage="polish")
+        better = go_on(run, self.whole, ready, report=report, deadline=self.deadline)
+        reason = "seconds" if better.reason == "seconds" else outcome.reason
+        history = {**outcome.history, **better.history}
+        return replace(better, reason=reason, history=history, warning=outcome.warning)
+
+
+def carry_out(plan: Plan, workers: int, listener: Listener) -> tuple[list[Outcome], Outcome]:
+    """Run all starts.
+
+    Parameters
+    ----------
+    plan : Plan
+    workers : int
+        Number of processes.
+    listener : Listener
+
+    Returns
+    -------
+    outcomes : list of Outcome
+        Of every start, on the shape that was searched; "paused" where it was not a finalist.
+        None where the run failed.
+    best : Outcome
+        On input elements. It carries the error, where one ended the run.
+
+    Raises
+    ------
+    MosegError
+        Before anything was found.
+    """
+    tasks: dict[str, Task] = {
+        "attempt": plan.attempt,
+        "further": plan.further,
+        "polish": plan.polish,
+    }
+    crew = Crew(plan.rough, plan.whole)
+    with Workers(crew.tasks(tasks), workers, listener) as pool:
+        crew.join(pool)
+        try:
+            outcomes = all_starts(plan, crew)
+            if plan.rough is plan.whole:
+                return outcomes, min(outcomes, key=lambda outcome: outcome.cost)
+            return outcomes, finish(plan, outcomes, crew)
+        except MosegError as error:
+            best = crew.rescued(error)
+            if best is None:
+                raise
+            return [], best
+
+
+def all_starts(plan: Plan, pool: Crew) -> list[Outcome]:
+    """Run the search from every start, until asked to stop.
+
+    A run that draws no random numbers is the same each time; it is repeated only on request.
+    """
+
+    def alone(k: int, attempt: Attempt) -> bool:
+        return k == 0 and not plan.repeats and not attempt.drew
+
+    def enough(k: int, attempt: Attempt) -> bool:
+        return alone(k, attempt) or attempt.outcome.reason == "seconds"
+
+    attempts = pool.map("attempt", [(k,) for k in range(plan.restarts)], enough=enough)
+    if alone(0, attempts[0]):
+        attempts = attempts[:1]
+    outcomes = [attempt.outcome for attempt in attempts]
+    runs = [attempt.run for attempt in attempts]
+    left = _distinct(plan.rough, outcomes)
+    until = float(_TRIAL * int(runs[0].free.sum()))
+    while math.isfinite(until):
+        keep = max(plan.finalists, -(-len(left) // 2))
+        until = until * _LONGER if keep > plan.finalists else math.inf
+        left = sorted(left, key=lambda k: outcomes[k].cost)[:keep]
+        paused = [k for k in left if outcomes[k].reason == "paused"]
+        ends = pool.map("further", [(runs[k], until) for k in paused])
+        for k, (run, end) in zip(paused, ends, strict=False):  # fewer where asked to stop
+            runs[k], outcomes[k] = run, end
+    return outcomes
+
+
+def _distinct(evaluator: ProblemEvaluator, outcomes: Sequence[Outcome]) -> list[int]:
+    """Numbers of the outcomes, without those that have the labels of an earlier one."""
+    found: dict[bytes, int] = {}
+    for k, outcome in enumerate(outcomes):
+        found.setdefault(evaluator.labels(outcome.vector).tobytes(), k)
+    return list(found.values())
+
+
+def finish(plan: Plan, outcomes: Sequence[Outcome], pool: Crew) -> Outcome:
+    """The best of what was found on the coarse shape, by its cost on the whole one.
+
+    The finalists, and all others where each of those loses a part between the levels, are
+    partitioned anew. The best on super-elements and the best by what they cost now are polished,
+    and the least exact cost wins: one with an empty part comes after all without.
+    """
+    rough, whole = plan.rough, plan.whole
+
+    def exact(outcome: Outcome) -> Outcome:
+        vector = whole.parameterization.encode(rough.parameterization.decode(outcome.vector))
+        return replace(outcome, vector=vector, cost=whole.evaluate(vector).cost)
+
+    by_cost = sorted((outcomes[k] for k in _distinct(rough, outcomes)), key=lambda o: o.cost)
+    last = [outcome for outcome in by_cost if outcome.reason != "paused"]
+    found = [exact(outcome) for outcome in last]
+    if all(outcome.cost.empty for outcome in found):
+        found += [exact(outcome) for outcome in by_cost if outcome.reason == "paused"]
+    # The best on super-elements first: a part that it loses between levels a few steps may mend.
+    ranked = [found[0], *sorted(found[1:], key=lambda outcome: outcome.cost)]
+    polished: list[Outcome] = []
+    if plan.deadline is None or time.monotonic() < plan.deadline:
+        polished = pool.map("polish", [(outcome,) for outcome in ranked[:_POLISHED]])
+    best = min([*polished, *ranked], key=lambda outcome: outcome.cost)
+    return replace(best, reason="evaluations") if best.reason == "paused" else best
+
+
+def shared_budget(ready: dict[Kind, Ready], restarts: int) -> dict[Kind, Ready]:
+    """The components with a limit on evaluations divided among the starts."""
+    optimizer = ready["optimizer"]
+    budget = optimizer.parameters.get("max_evaluations")
+    if restarts == 1 or budget is None:
+        return ready
+    if budget < restarts:
+        raise UsageError(f"{restarts} starts cannot share {budget} evaluations; allow more")
+    shared = {**optimizer.parameters, "max_evaluations": budget // restarts}
+    return {**ready, "optimizer": replace(optimizer, parameters=shared)}
+
+
+def disagreement(outcomes: Sequence[Outcome]) -> list[str]:
+    """A warning where several starts that went on to the end came to clearly different costs."""
+    values = [outcome.cost.value for outcome in outcomes if outcome.reason != "paused"]
+    least, greatest = min(values, default=0.0), max(values, default=0.0)
+    if greatest - least <= 0.05 * abs(least):
+        return []
+    of = f" of {len(outcomes)}" if len(values) < len(outcomes) else ""
+    return [
+        f"{len(values)}{of} starts ended at costs from {least:.4g} to {greatest:.4g}; the best is"
+        f" reported, and more starts may find better"
+    ]

@@ -1,0 +1,203 @@
+"""Which surface elements touch which: the graph that keeps segments connected (Sec. 4).
+
+Adjacency is a CSR pair as in ``scipy.sparse``: the neighbours of element ``f`` are
+``indices[indptr[f]:indptr[f + 1]]``, ascending, without ``f`` itself. Two polygons are
+neighbours when they share an edge by position; around a non-manifold edge all are neighbours of
+all. The same edges tell whether the mesh encloses a volume. Cells of a solid grid are neighbours
+when they share a face, and those of its surface when they share an edge: along a slope the cells
+of a staircase touch in no more than that.
+
+Points have no neighbours, nor have polygons of a soup. Where the user asks for it, elements that
+are *mutually* among each other's nearest count as neighbours: one-sided nearness would bridge the
+gap between two sheets as soon as one of them is sampled more sparsely.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse import csgraph
+
+from moseg_core.shape.mesh import PolygonMesh
+from moseg_core.shape.voxels import VoxelGrid
+from moseg_core.types import FloatArray, Int32Array, IntArray, frozen
+
+NEAREST = 10
+"""How many nearest elements may be neighbours, unless the user says otherwise."""
+
+
+@dataclass(frozen=True, eq=False)
+class Adjacency:
+    """The element graph, in CSR form.
+
+    Parameters
+    ----------
+    indptr : (F + 1,) int32
+    indices : (E,) int32
+        Each undirected edge stands twice, once from either side.
+    """
+
+    indptr: Int32Array
+    indices: Int32Array
+
+    def __post_init__(self) -> None:
+        frozen(self.indptr)
+        frozen(self.indices)
+
+    @classmethod
+    def from_pairs(cls, pairs: IntArray, n_elements: int) -> Adjacency:
+        """From an (E, 2) array of neighbouring elements, in any order, repeats allowed.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> graph = Adjacency.from_pairs(np.array([[0, 1], [1, 2], [1, 0]]), 3)
+        >>> graph.indptr.tolist(), graph.indices.tolist()
+        ([0, 1, 3, 4], [1, 0, 2, 1])
+        """
+        pairs = pairs[pairs[:, 0] != pairs[:, 1]]
+        rows = np.concatenate([pairs[:, 0], pairs[:, 1]])
+        columns = np.concatenate([pairs[:, 1], pairs[:, 0]])
+        graph = sparse.coo_array(
+            (np.ones(len(rows), np.int8), (rows, columns)), shape=(n_elements, n_elements)
+        ).tocsr()
+        graph.sum_duplicates()
+        graph.sort_indices()
+        return cls(graph.indptr.astype(np.int32), graph.indices.astype(np.int32))
+
+    @property
+    def n_elements(self) -> int:
+        """Number of elements, F."""
+        return len(self.indptr) - 1
+
+    @cached_property
+    def pairs(self) -> IntArray:
+        """(E, 2) int: each element with each of its neighbours."""
+        rows = np.repeat(np.arange(self.n_elements), np.diff(self.indptr))
+        return np.stack([rows, self.indices.astype(np.int64)], axis=1)
+
+    def neighbors(self, element: int) -> Int32Array:
+        """The elements next to one element, ascending."""
+        return self.indices[self.indptr[element] : self.indptr[element + 1]]
+
+    @cached_property
+    def matrix(self) -> sparse.csr_array:
+        """(F, F) sparse 0/1 matrix, for ``scipy.sparse.csgraph``."""
+        size = self.n_elements
+        ones = np.ones(len(self.indices), np.int8)
+        return sparse.csr_array((ones, self.indices, self.indptr), shape=(size, size))
+
+    def components(self, elements: IntArray | None = None) -> tuple[int, IntArray]:
+        """Connected components of all elements, or of those given.
+
+        Returns
+        -------
+        count : int
+        component : (k,) int
+            The component of each element asked for, numbered from 0.
+        """
+        graph = self.matrix if elements is None else self.matrix[elements][:, elements]
+        count, component = csgraph.connected_components(graph, directed=False)
+        return int(count), component.astype(np.int64)
+
+
+def ranges(starts: IntArray, rows: IntArray) -> IntArray:
+    """The numbers ``starts[r]`` to ``starts[r + 1] - 1`` of some rows, one row after the other.
+
+    Examples
+    --------
+    >>> ranges(np.array([0, 2, 2, 5]), np.array([2, 0])).tolist()
+    [2, 3, 4, 0, 1]
+    """
+    sizes = starts[rows + 1] - starts[rows]
+    before = np.cumsum(sizes) - sizes
+    found: IntArray = np.arange(int(sizes.sum())) + np.repeat(starts[rows] - before, sizes)
+    return found
+
+
+def mesh_adjacency(mesh: PolygonMesh) -> Adjacency:
+    """Neighbouring polygons of a mesh: those that share an edge by position.
+
+    Examples
+    --------
+    >>> mesh = PolygonMesh.from_faces([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]],
+    ...                               [[0, 1, 2], [1, 3, 2]])
+    >>> mesh_adjacency(mesh).neighbors(0).tolist()
+    [1]
+    """
+    ends, polygon = mesh.edges
+    group = undirected(ends)[1]
+    order = np.argsort(group, kind="stable")
+    group, polygon = group[order], polygon[order]
+    sizes = np.bincount(group)
+    starts = np.concatenate([[0], np.cumsum(sizes)])[:-1]
+    pairs = []
+    for size in np.unique(sizes[sizes > 1]):
+        members = polygon[starts[sizes == size][:, None] + np.arange(size)]
+        first, second = np.triu_indices(int(size), k=1)
+        pairs.append(np.stack([members[:, first], members[:, second]], axis=-1).reshape(-1, 2))
+    joined = np.concatenate(pairs) if pairs else np.empty((0, 2), np.int64)
+    return Adjacency.from_pairs(joined, mesh.n_polygons)
+
+
+def grid_adjacency(grid: VoxelGrid) -> Adjacency:
+    """Neighbouring cells of a grid: those that share a face or, on a surface, an edge.
+
+    Examples
+    --------
+    >>> stairs = VoxelGrid.from_occupied(np.array([[[True, False], [False, True]]]))
+    >>> grid_adjacency(stairs).indices.tolist()
+    []
+    """
+    number = grid.spread(np.arange(grid.n_elements), -1)
+    most = 1 if grid.solid else 2
+    steps = [
+        step
+        for step in np.ndindex(3, 3, 3)
+        # Of two opposite steps one is enough.
+        if 0 < sum(abs(k - 1) for k in step) <= most and step > (1, 1, 1)
+    ]
+    padded = np.pad(number, 1, constant_values=-1)
+    pairs = []
+    for i, j, k in steps:
+        beside = padded[i : i + number.shape[0], j : j + number.shape[1], k : k + number.shape[2]]
+        both = (number >= 0) & (beside >= 0)
+        pairs.append(np.stack([number[both], beside[both]], axis=1))
+    return Adjacency.from_pairs(np.concatenate(pairs), grid.n_elements)
+
+
+def near_pairs(points: FloatArray, nearest: int = NEAREST) -> IntArray:
+    """(E, 2) int: pairs of points each of which is among the nearest of the other.
+
+    Parameters
+    ----------
+    points : (F, 3) float
+    nearest : int
+        How many others are the nearest of a point.
+
+    Examples
+    --------
+    >>> near_pairs(np.array([[0.0, 0, 0], [1, 0, 0], [5, 0, 0]]), 1).tolist()
+    [[0, 1]]
+    """
+    from scipy.spatial import cKDTree
+
+    count = len(points)
+    near = min(nearest + 1, count)
+    found = cKDTree(points).query(points, near)[1].reshape(count, near)
+    rows = np.repeat(np.arange(count), near)
+    columns = found.reshape(-1)
+    apart = rows != columns
+    low, high = np.minimum(rows, columns)[apart], np.maximum(rows, columns)[apart]
+    code, times = np.unique(low * count + high, return_counts=True)
+    pairs: IntArray = np.stack(np.divmod(code[times == 2], count), axis=1)
+    return pairs
+
+
+def undirected(ends: IntArray) -> tuple[IntArray, IntArray]:
+    """Distinct undirected edges, and for each directed edge the number of its undirected one."""
+    edge, group = np.unique(np.sort(ends, axis=1), axis=0, return_inverse=True)
+    return edge, group.reshape(-1)

@@ -1,0 +1,189 @@
+"""A shape in fewer, larger elements, so that the search does not grow with the mesh.
+
+Partitions (Sec. 4) need of an element only where it is and which it touches, and the measures of a
+part only sums over its elements. So elements can be grouped: :func:`coarsen` contracts the element
+graph into about `n` connected super-elements of similar size, each with the sums of its members'
+areas and moments, and the sum of their hashes. The result is a
+:class:`~moseg_core.shape.shape.Shape` again, over which parameterizations, seeders and the
+evaluator work unchanged.
+
+Nothing is lost but the choice of boundaries: a part made of super-elements consists of certain
+input elements, and :mod:`moseg_core.components.part` says about it what it would say of a part made
+of those. :mod:`moseg_core.search.segment` searches on the coarse shape and finishes on the whole
+one.
+
+Pieces grow from seeds along the graph (:mod:`moseg_core.shape.grow`). Seeds are first spread
+over the surface by area along a space-filling curve, then moved to the middle of their pieces a
+few times. Where the adjacency is not known, or the surface is in very many bits, elements
+near each other in space count as touching for this purpose.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.sparse import coo_array, csgraph
+from scipy.spatial import cKDTree
+
+from moseg_core.shape.adjacency import Adjacency
+from moseg_core.shape.pins import NO_PINS, Pins
+from moseg_core.shape.shape import Shape
+from moseg_core.types import FloatArray, Int32Array, IntArray
+
+_ROUNDS = 3
+_NEAR = 6
+
+
+def coarsen(shape: Shape, n_elements: int = 2000, *, pins: Pins = NO_PINS) -> Shape:
+    """A shape whose elements are connected groups of the given shape's.
+
+    Parameters
+    ----------
+    shape : Shape
+        Of input elements.
+    n_elements : int
+        About how many super-elements to make; there is at least one for each connected component,
+        unless the components are more than half as many.
+    pins : Pins, optional
+        Elements pinned to different labels do not come into one super-element.
+
+    Returns
+    -------
+    Shape
+        With :attr:`~moseg_core.shape.shape.Shape.fine` and
+        :attr:`~moseg_core.shape.shape.Shape.members`. The same for the same shape in every run.
+
+    Examples
+    --------
+    >>> import moseg_core as moseg
+    >>> horse = moseg.load(moseg.sample_path("horse"))
+    >>> coarse = coarsen(horse, 500)
+    >>> coarse.n_elements, coarse.resolution, int(coarse.sizes.sum()) == horse.n_elements
+    (500, 'coarse500', True)
+    """
+    from moseg_core.shape.grow import grow_pieces, middle_elements
+
+    points = np.ascontiguousarray(shape.unit_points)
+    graph = _graph(shape, n_elements)
+    members = np.empty(shape.n_elements, np.int64)
+    seeds = _spread(points, shape.areas, n_elements)
+    for _ in range(_ROUNDS):
+        pieces = grow_pieces(points, graph.indptr, graph.indices, seeds, members)
+        seeds = middle_elements(points, shape.areas, members, pieces)
+    grow_pieces(points, graph.indptr, graph.indices, seeds, members)
+    return contract(shape, _separate(members, pins, graph), f"coarse{n_elements}")
+
+
+def contract(shape: Shape, members: IntArray, resolution: str) -> Shape:
+    """The shape over given groups of its elements.
+
+    Parameters
+    ----------
+    shape : Shape
+        Of input elements.
+    members : (F,) int
+        The group of each element, 0 to K - 1, each at least once.
+    resolution : str
+        What to call it in memo keys.
+    """
+    count = int(members.max()) + 1
+    areas = _sums(members, shape.areas[:, None], count)[:, 0]
+    first = _sums(members, shape.first_moments, count)
+    mean = _sums(members, shape.points - shape.frame.center, count)
+    mean /= np.bincount(members, minlength=count)[:, None]
+    with np.errstate(invalid="ignore", divide="ignore"):
+        middle = np.where(areas[:, None] > 0, first / areas[:, None], mean)
+    adjacency = None
+    if shape.adjacency is not None:
+        rows = np.repeat(np.arange(shape.n_elements), np.diff(shape.adjacency.indptr))
+        pairs = np.stack([members[rows], members[shape.adjacency.indices]], axis=1)
+        adjacency = Adjacency.from_pairs(pairs, count)
+    return replace(
+        shape,
+        points=middle + shape.frame.center,
+        areas=areas,
+        first_moments=first,
+        second_moments=_sums(members, shape.second_moments, count),
+        adjacency=adjacency,
+        resolution=resolution,
+        original=None if shape.original is None else contract(shape.original, members, resolution),
+        fine=shape,
+        members=members,
+    )
+
+
+def coarse_pins(pins: Pins, coarse: Shape) -> Pins:
+    """Pins on the super-elements that hold pinned elements.
+
+    Parameters
+    ----------
+    pins : Pins
+        On input elements.
+    coarse : Shape
+        Made by :func:`coarsen` with these pins, so that no super-element gets two labels.
+    """
+    assert coarse.members is not None  # a coarse shape
+    elements, first = np.unique(coarse.members[pins.elements], return_index=True)
+    return Pins(elements=elements, labels=pins.labels[first])
+
+
+def _sums(members: IntArray, rows: FloatArray, count: int) -> FloatArray:
+    """(count, k) float: sums of (F, k) rows by group, in element order."""
+    columns = [np.bincount(members, column, count) for column in rows.T]
+    return np.ascontiguousarray(np.stack(columns, axis=1))
+
+
+def _spread(points: FloatArray, areas: FloatArray, n: int) -> IntArray:
+    """(k,) int: up to `n` different elements, with equal areas between them along a curve.
+
+    The curve goes through the cells of a grid in Morton order, so that what is near along it is
+    near in space.
+    """
+    cell = np.clip((points + 0.5) * 1024, 0, 1023).astype(np.int64)
+    place = _spaced(cell[:, 0]) | _spaced(cell[:, 1]) << 1 | _spaced(cell[:, 2]) << 2
+    order = np.argsort(place, kind="stable")
+    run = np.cumsum(areas[order])
+    wanted = (np.arange(n) + 0.5) / n * run[-1]
+    places = np.unique(np.searchsorted(run, wanted).clip(max=len(points) - 1))
+    chosen: IntArray = order[places]
+    return chosen
+
+
+def _spaced(x: IntArray) -> IntArray:
+    """The ten bits of each number, two zeros between neighbours."""
+    for shift, mask in ((16, 0x030000FF), (8, 0x0300F00F), (4, 0x030C30C3), (2, 0x09249249)):
+        x = (x | (x << shift)) & mask
+    return x
+
+
+def _graph(shape: Shape, n: int) -> Adjacency:
+    """Along which pieces grow: the adjacency, or nearness where that would give too many."""
+    known = shape.adjacency
+    if known is not None and known.components()[0] <= n // 2:
+        return known
+    near = min(_NEAR + 1, shape.n_elements)
+    found = cKDTree(shape.unit_points).query(shape.unit_points, near)[1].reshape(-1, near)
+    pairs = np.stack([np.repeat(np.arange(len(found)), near), found.reshape(-1)], axis=1)
+    if known is not None:
+        rows = np.repeat(np.arange(shape.n_elements), np.diff(known.indptr))
+        pairs = np.concatenate([pairs, np.stack([rows, known.indices], axis=1)])
+    return Adjacency.from_pairs(pairs, shape.n_elements)
+
+
+def _separate(members: IntArray, pins: Pins, graph: Adjacency) -> IntArray:
+    """The groups, those that hold pins of several labels cut into connected pieces that do not."""
+    pinned = np.unique(np.stack([members[pins.elements], pins.labels], axis=1), axis=0)
+    groups, labels = np.unique(pinned[:, 0], return_counts=True)
+    if not (labels > 1).any():
+        return members
+    kind = np.full(len(members), -1, np.int64)
+    kind[pins.elements] = pins.labels
+    kind[~np.isin(members, groups[labels > 1])] = -1
+    rows = np.repeat(np.arange(len(members)), np.diff(graph.indptr)).astype(np.int32)
+    columns: Int32Array = graph.indices
+    same = (members[rows] == members[columns]) & (kind[rows] == kind[columns])
+    edges = (np.ones(int(same.sum()), np.int8), (rows[same], columns[same]))
+    whole = coo_array(edges, shape=(len(members), len(members)))
+    component: IntArray = csgraph.connected_components(whole, directed=False)[1].astype(np.int64)
+    return component

@@ -1,0 +1,252 @@
+"""What is known of a shape's elements, and what follows from it: sums, names, keys.
+
+The data half of :class:`moseg_core.shape.shape.Shape`, of which the other half says how a shape
+comes about. Every element, whatever it is, has a place, an area and moments
+(:mod:`moseg_core.shape.moments`); the whole has a frame, maybe neighbours and a volume. A coarse
+version holds sums over groups of elements of a fine one (:mod:`moseg_core.shape.coarse`) and
+remembers which; nothing else tells the two apart.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Self
+
+import numpy as np
+import numpy.typing as npt
+
+from moseg_core.errors import ShapeError
+from moseg_core.shape.adjacency import Adjacency, ranges
+from moseg_core.shape.geometry import Geometry
+from moseg_core.shape.hull_corners import Extremes, find_extremes
+from moseg_core.shape.mesh import PolygonMesh
+from moseg_core.types import FloatArray, IntArray, frozen
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """Unit coordinates: ``unit = (x - center) / scale``.
+
+    Parameters
+    ----------
+    center : (3,) float, model units
+        Centre of the bounding box.
+    scale : float, model units
+        Length of the bounding box's diagonal.
+    """
+
+    center: FloatArray
+    scale: float
+
+    def to_unit(self, points: FloatArray) -> FloatArray:
+        """Model units to unit coordinates."""
+        return (points - self.center) / self.scale
+
+    def to_model(self, points: FloatArray) -> FloatArray:
+        """Unit coordinates to model units."""
+        return points * self.scale + self.center
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
+class Measured:
+    """Surface elements with their areas, moments and neighbours.
+
+    Parameters
+    ----------
+    points : (F, 3) float, model units
+        Where each element is: the centroid of a face, the point, the middle of a cell.
+    areas : (F,) float, model units squared
+        Of cells that fill a solid the volume, model units cubed.
+    first_moments : (F, 3) float
+        Area times centroid of each element, about ``frame.center``.
+    second_moments : (F, 6) float
+        xx, xy, xz, yy, yz, zz of each element's second moment about ``frame.center``.
+    frame : Frame
+    adjacency : Adjacency or None
+        None where it is not known: segments cannot then be kept connected.
+    volume : float or None, model units cubed
+        Enclosed volume; None where the surface encloses none.
+    volume_reason : str
+        Why there is no volume; empty where there is one.
+    geometry : Geometry
+        What the elements stand for: a mesh, a point cloud or a voxel grid.
+    notes : tuple of str
+        What was noticed on the way in: degenerate faces, several components, holes.
+    space, resolution : str
+        Which version of the user's shape this is; part of every memo key.
+    original : Shape or None
+        The shape that this one was deformed from (:meth:`deformed`), of the same resolution;
+        None where it lies as the user gave it.
+    fine : Shape or None
+        The shape whose elements are grouped here (:func:`moseg_core.shape.coarse.coarsen`); None
+        where the elements are those of the input.
+    members : (F of `fine`,) int or None
+        For each element of `fine` the element here that it belongs to.
+    """
+
+    points: FloatArray
+    areas: FloatArray
+    first_moments: FloatArray
+    second_moments: FloatArray
+    frame: Frame
+    adjacency: Adjacency | None
+    volume: float | None
+    volume_reason: str = ""
+    geometry: Geometry
+    notes: tuple[str, ...] = ()
+    space: str = "original"
+    resolution: str = "full"
+    original: Self | None = None
+    fine: Self | None = None
+    members: IntArray | None = None
+    name: str = field(default="shape")
+
+    def __post_init__(self) -> None:
+        for array in (self.points, self.areas, self.first_moments, self.second_moments):
+            frozen(array)
+        frozen(self.frame.center)
+
+    @property
+    def n_elements(self) -> int:
+        """Number of surface elements, F."""
+        return len(self.areas)
+
+    def in_space(self, space: str) -> Self:
+        """The version of this shape in a space: itself, or the one it was deformed from.
+
+        Raises
+        ------
+        ShapeError
+            It is not known in that space.
+        """
+        if space == self.space:
+            return self
+        if self.original is not None and space == self.original.space:
+            return self.original
+        raise ShapeError(f"'{self.name}' is not known in the space '{space}'")
+
+    @property
+    def noun(self) -> str:
+        """What an element is called: face, point or cell."""
+        return self.geometry.noun
+
+    @property
+    def solid(self) -> bool:
+        """Whether the elements fill a solid, so that areas are volumes and scales its own."""
+        return self.geometry.solid
+
+    @property
+    def has_surface(self) -> bool:
+        """Whether the elements are pieces of a surface made of triangles."""
+        return len(self.geometry.triangles) > 0 and not self.solid
+
+    @property
+    def input(self) -> Self:
+        """The shape of input elements: `fine`, or the shape itself."""
+        return self if self.fine is None else self.fine
+
+    @cached_property
+    def sizes(self) -> IntArray:
+        """(F,) int: how many input elements each element stands for."""
+        if self.members is None:
+            return np.ones(self.n_elements, np.int64)
+        return np.bincount(self.members, minlength=self.n_elements)
+
+    @cached_property
+    def element_hashes(self) -> npt.NDArray[np.uint64]:
+        """(F, 2) uint64: membership hash of each element, the sum over its input elements."""
+        from moseg_core.shape.part_sums import hash_elements
+
+        hashes = np.zeros((self.n_elements, 2), np.uint64)
+        if self.fine is None or self.members is None:
+            hash_elements(hashes)
+        else:
+            np.add.at(hashes, self.members, self.fine.element_hashes)
+        return hashes
+
+    @cached_property
+    def _ranked(self) -> tuple[IntArray, IntArray]:
+        """Input elements in the order of the elements here, and where each of these begins."""
+        assert self.members is not None  # asked of coarse shapes only
+        order = np.argsort(self.members, kind="stable")
+        return order, np.concatenate([[0], np.cumsum(self.sizes)])
+
+    def expand(self, elements: IntArray) -> IntArray:
+        """Numbers of the input elements, ascending, that certain elements stand for.
+
+        Parameters
+        ----------
+        elements : (k,) int
+
+        Returns
+        -------
+        (l,) int
+            The elements themselves where the shape is not a coarse one.
+        """
+        if self.members is None:
+            return elements
+        order, starts = self._ranked
+        return np.sort(order[ranges(starts, elements)])
+
+    @cached_property
+    def extremes(self) -> Extremes | None:
+        """Vertices that matter to the hull of each element; None where elements are the input's."""
+        if self.members is None:
+            return None
+        return find_extremes(self.geometry, self.members, self.points)
+
+    @cached_property
+    def unit_points(self) -> FloatArray:
+        """(F, 3) float: the elements in unit coordinates, in which the search works."""
+        return frozen(self.frame.to_unit(self.points))
+
+    @cached_property
+    def area(self) -> float:
+        """Total surface area, model units squared; of a solid its volume."""
+        return float(self.areas.sum())
+
+    @cached_property
+    def box_diagonal(self) -> float:
+        """Diagonal of the bounding box in the shape's own PCA axes, model units.
+
+        Unlike ``frame.scale``, the diagonal in the file's axes, it does not change when the
+        shape is rotated.
+        """
+        first = self.first_moments.sum(axis=0) / self.area
+        xx, xy, xz, yy, yz, zz = self.second_moments.sum(axis=0) / self.area
+        second = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        _, axes = np.linalg.eigh(second - np.outer(first, first))
+        corners = self.geometry.vertices[np.unique(self.geometry.corners)] @ axes
+        return float(np.linalg.norm(np.ptp(corners, axis=0)))
+
+    @cached_property
+    def fingerprint(self) -> str:
+        """Hexadecimal digest of the geometry; equal for equal files, whatever their names."""
+        digest = hashlib.sha256()
+        for array in (self.geometry.vertices, self.geometry.corners, self.geometry.offsets):
+            digest.update(np.ascontiguousarray(array).tobytes())
+        if not isinstance(self.geometry, PolygonMesh):
+            # Equal points may have other areas, and equal cells be solid or not.
+            digest.update(self.geometry.kind.encode())
+            digest.update(np.ascontiguousarray(self.input.areas).tobytes())
+        return digest.hexdigest()[:16]
+
+    @property
+    def key(self) -> tuple[object, ...]:
+        """What tells this shape from all others in the key of a remembered value."""
+        return (self.fingerprint, self.volume, self._links, self.space, self.resolution)
+
+    @cached_property
+    def _links(self) -> str:
+        if self.adjacency is None:
+            return ""
+        digest = hashlib.sha256(np.ascontiguousarray(self.adjacency.indices).tobytes())
+        return digest.hexdigest()[:16]
+
+    def __repr__(self) -> str:
+        volume = "no volume" if self.volume is None else f"volume {self.volume:.6g}"
+        return f"Shape({self.name}: {self.n_elements} elements, area {self.area:.6g}, {volume}" + (
+            f", {self.resolution})" if self.resolution != "full" else ")"
+        )

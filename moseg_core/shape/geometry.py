@@ -1,0 +1,83 @@
+"""What surface elements are made of: vertices, and pieces of surface where there are any (Sec. 4).
+
+The paper partitions "mesh faces or point cloud points", and voxels the same way. Whatever the
+elements are, the rest of moseg asks the same of them: which vertices each has, for hulls and
+extents, and which triangles, for areas, distances and pictures. :class:`Geometry` answers that;
+its kinds know how they were made and what else they hold:
+
+- :class:`moseg_core.shape.mesh.PolygonMesh`: an element is a polygon;
+- :class:`moseg_core.shape.cloud.PointCloud`: an element is a point, and there are no triangles;
+- :class:`moseg_core.shape.voxels.VoxelGrid`: an element is a cell of a grid, and the triangles are
+  those of its faces with nothing behind them.
+
+A geometry has no areas, neighbours or volume: :mod:`moseg_core.shape.moments` and
+:mod:`moseg_core.shape.adjacency` make those from it, and :class:`moseg_core.shape.shape.Shape`
+holds them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import ClassVar
+
+import numpy as np
+
+from moseg_core.types import FloatArray, IntArray, frozen
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Geometry:
+    """Elements over shared vertices, with the triangles that can be seen of them.
+
+    Parameters
+    ----------
+    vertices : (V, 3) float, model units
+    corners : (C,) int
+        The vertex indices of all elements, one element after the other.
+    offsets : (F + 1,) int
+        Element ``f`` has the corners ``corners[offsets[f]:offsets[f + 1]]``.
+    triangles : (T, 3) int
+        Vertex indices; the triangles of one element follow each other, elements in order. Their
+        corners are corners of the element.
+    triangle_polygon : (T,) int
+        The element that each triangle is a piece of; ascending.
+    """
+
+    noun: ClassVar[str] = "element"
+    """What one element is called."""
+    kind: ClassVar[str] = "surface"
+    """What the whole is called."""
+
+    vertices: FloatArray
+    corners: IntArray
+    offsets: IntArray
+    triangles: IntArray
+    triangle_polygon: IntArray
+
+    def __post_init__(self) -> None:
+        for array in (self.vertices, self.corners, self.offsets, self.triangles):
+            frozen(array)
+        frozen(self.triangle_polygon)
+
+    @property
+    def n_elements(self) -> int:
+        """Number of elements, F."""
+        return len(self.offsets) - 1
+
+    @property
+    def solid(self) -> bool:
+        """Whether the elements fill a solid, rather than cover a surface."""
+        return False
+
+    @property
+    def is_triangular(self) -> bool:
+        """Whether element ``f`` is triangle ``f``, and nothing else."""
+        return False
+
+    @cached_property
+    def merged(self) -> IntArray:
+        """(V,) int: for each vertex the number of its position; equal positions, equal numbers."""
+        # Adding 0.0 turns -0.0 into 0.0, which compare equal but differ in their bytes.
+        _, number = np.unique(self.vertices + 0.0, axis=0, return_inverse=True)
+        return number.reshape(-1).astype(np.int64)

@@ -1,0 +1,153 @@
+"""The corners that count: vertices without which convex hulls and extents come out the same.
+
+The convex hull of a union of super-elements has its corners among the corners of *their* hulls,
+which are found once for a coarse shape: an inner vertex of a super-element that is bent inwards,
+saddle-shaped or flat never matters again. The same holds for blocks of super-elements that are in
+the part as a whole, for blocks of blocks, and so forth. Hull volumes and bounding boxes of coarse
+parts (:attr:`moseg_core.components.part.Part.extreme_vertices`) are then those of all vertices, up
+to rounding, at the price of a fraction of them.
+"""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+
+from moseg_core.shape.adjacency import ranges
+from moseg_core.shape.geometry import Geometry
+from moseg_core.types import BoolArray, FloatArray, IntArray, frozen
+
+#: Groups in a block.
+_BLOCK = 8
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Extremes:
+    """Vertices that may be corners of a hull, by group of elements.
+
+    Parameters
+    ----------
+    vertices : (k,) int
+        Numbers of vertices, those of one group after those of another; one that several groups
+        touch comes several times.
+    starts : (K + 1,) int
+        Where each group's begin.
+    n_vertices : int
+        Of the geometry.
+    blocks : (K,) int
+        Which block of groups near each other each group belongs to.
+    of_blocks : Extremes or None
+        The same for the blocks, as groups; None where there is only one.
+    """
+
+    vertices: IntArray
+    starts: IntArray
+    n_vertices: int
+    blocks: IntArray
+    of_blocks: Extremes | None
+
+    def of(self, groups: IntArray) -> IntArray:
+        """(m,) int: the vertices of some groups, ascending, each once."""
+        marked: BoolArray = np.zeros(self.n_vertices, np.bool_)
+        self._mark(groups, marked)
+        return np.flatnonzero(marked)
+
+    def _mark(self, groups: IntArray, marked: BoolArray) -> None:
+        """Mark the vertices of whole blocks, and of the groups that are in none."""
+        if self.of_blocks is not None:
+            whole = np.bincount(self.blocks[groups], minlength=len(self._sizes)) == self._sizes
+            self.of_blocks._mark(np.flatnonzero(whole), marked)
+            groups = groups[~whole[self.blocks[groups]]]
+        marked[self.vertices[ranges(self.starts, groups)]] = True
+
+    @cached_property
+    def _sizes(self) -> IntArray:
+        """How many groups are in each block."""
+        sizes: IntArray = np.bincount(self.blocks)
+        return sizes
+
+
+def find_extremes(geometry: Geometry, members: IntArray, points: FloatArray) -> Extremes:
+    """The corners of the convex hull of each group of elements, and of blocks of such groups.
+
+    Parameters
+    ----------
+    geometry : Geometry
+    members : (F,) int
+        The group of each element, 0 to K - 1, each at least once.
+    points : (K, 3) float, model units
+        Where each group is.
+
+    Returns
+    -------
+    Extremes
+        All vertices of a group that lies in a plane, which has no hull to speak of.
+
+    Examples
+    --------
+    A cube of eight corners and one vertex in the middle of a side, as one group:
+
+    >>> import moseg_core as moseg
+    >>> v = [[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)] + [[0, 0.5, 0.5]]
+    >>> f = [[0, 1, 8], [1, 3, 8], [3, 2, 8], [2, 0, 8], [4, 6, 7, 5], [0, 4, 5, 1],
+    ...      [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+    >>> shape = moseg.Shape.from_mesh(v, f)
+    >>> find_extremes(shape.geometry, np.zeros(9, int), np.zeros((1, 3))).vertices.tolist()
+    [0, 1, 2, 3, 4, 5, 6, 7]
+    """
+    owner = np.repeat(members, np.diff(geometry.offsets))
+    return _extremes(geometry, owner, geometry.corners, points)
+
+
+def _extremes(
+    geometry: Geometry, owner: IntArray, vertices: IntArray, points: FloatArray
+) -> Extremes:
+    """The same from pairs of a group and a vertex, and so on for blocks, blocks of those, ..."""
+    from scipy.spatial import cKDTree
+
+    vertices, starts = _corners(geometry, owner, vertices)
+    blocks = np.empty(len(points), np.int64)
+    # Neighbours in the order of a tree's leaves are neighbours in space.
+    blocks[cKDTree(points).indices] = np.arange(len(points)) // _BLOCK
+    of_blocks = None
+    if len(points) > _BLOCK:
+        number = np.bincount(blocks)
+        middle = np.stack([np.bincount(blocks, c) / number for c in points.T], axis=1)
+        of_blocks = _extremes(geometry, np.repeat(blocks, np.diff(starts)), vertices, middle)
+    return Extremes(
+        vertices=vertices,
+        starts=starts,
+        n_vertices=len(geometry.vertices),
+        blocks=frozen(blocks),
+        of_blocks=of_blocks,
+    )
+
+
+def _corners(geometry: Geometry, owner: IntArray, vertices: IntArray) -> tuple[IntArray, IntArray]:
+    """Corners of the hull of each owner's vertices, one owner after the other; where each begins.
+
+    Parameters
+    ----------
+    geometry : Geometry
+    owner, vertices : (k,) int
+        Pairs in any order, maybe several times.
+    """
+    from scipy.spatial import ConvexHull, QhullError
+
+    pairs = np.unique(owner * len(geometry.vertices) + vertices)
+    owners, numbers = np.divmod(pairs, len(geometry.vertices))
+    bounds = np.searchsorted(owners, np.arange(int(owner.max()) + 2))
+    kept = []
+    for first, last in pairwise(bounds):
+        mine = numbers[first:last]
+        if len(mine) > 4:
+            corners = geometry.vertices[mine]
+            with suppress(QhullError):  # a flat group keeps all
+                mine = np.sort(mine[ConvexHull(corners - corners.mean(axis=0)).vertices])
+        kept.append(mine)
+    starts = np.concatenate([[0], np.cumsum([len(mine) for mine in kept])])
+    return frozen(np.concatenate(kept).astype(np.int64)), frozen(starts)

@@ -1,0 +1,116 @@
+"""Areas, first and second moments of elements of every kind: what PCA is made of (Sec. 10).
+
+The sums over a part of these three numbers give its area, centroid and covariance. Over a mesh
+they are exact over every triangle, over a grid exact over every cell or exposed square. Of a
+point cloud nothing is exact: a point stands for a small piece of surface around it, of which the
+area is estimated (:func:`moseg_core.shape.cloud.estimated_areas`) and the extent is left out. That
+extent would add ``area^2 / 4 pi`` along the surface to a second moment, for a part of N points
+about a share ``1 / N`` of its own.
+
+For elements that fill a solid, "area" is the volume of a cell: the same sums then give the
+covariance of the solid.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from moseg_core.shape.cloud import PointCloud
+from moseg_core.shape.geometry import Geometry
+from moseg_core.shape.voxels import VoxelGrid
+from moseg_core.types import FloatArray
+
+# xx, xy, xz, yy, yz, zz
+_I, _J = np.array([0, 0, 0, 1, 1, 2]), np.array([0, 1, 2, 1, 2, 2])
+
+
+@dataclass(frozen=True, eq=False)
+class Moments:
+    """What each element adds to the measures of a part.
+
+    Parameters
+    ----------
+    points : (F, 3) float, model units
+        Centroid of each element.
+    areas : (F,) float, model units squared; cubed where elements fill a solid
+    first : (F, 3) float
+        Area times centroid, about the origin asked for.
+    second : (F, 6) float
+        xx, xy, xz, yy, yz, zz about that origin.
+    """
+
+    points: FloatArray
+    areas: FloatArray
+    first: FloatArray
+    second: FloatArray
+
+
+def element_moments(geometry: Geometry, origin: FloatArray) -> Moments:
+    """The moments of every element.
+
+    Parameters
+    ----------
+    geometry : Geometry
+    origin : (3,) float, model units
+        Moments are about this, and kept rather than derived from the centroids: those are
+        rounded in the file's coordinates, which may lie far away.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from moseg_core.shape.voxels import VoxelGrid
+    >>> cube = VoxelGrid.from_occupied(np.ones((1, 1, 1), bool), pitch=2.0)
+    >>> moments = element_moments(cube, np.ones(3))
+    >>> moments.areas.tolist(), moments.second[0, [0, 3, 5]].round(6).tolist()
+    ([8.0], [2.666667, 2.666667, 2.666667])
+    """
+    if isinstance(geometry, PointCloud):
+        return _of_points(geometry, origin)
+    if geometry.solid:
+        assert isinstance(geometry, VoxelGrid)  # the only kind of elements that fills a solid
+        return _of_cells(geometry, origin)
+    return _of_polygons(geometry, origin)
+
+
+def _of_polygons(mesh: Geometry, origin: FloatArray) -> Moments:
+    """Sums over the triangles of each element, of which there is at least one.
+
+    Over a triangle with corners a, b, c and area A, ``int x x^T dA`` is
+    ``A/12 (a a^T + b b^T + c c^T + s s^T)`` with ``s = a + b + c``.
+    """
+    corners = mesh.vertices[mesh.triangles] - origin
+    edge1, edge2 = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    area = np.linalg.norm(np.cross(edge1, edge2), axis=1) / 2.0
+    total = corners.sum(axis=1)
+    second = (corners[:, :, _I] * corners[:, :, _J]).sum(axis=1) + total[:, _I] * total[:, _J]
+    second *= area[:, None] / 12.0
+    first = total * area[:, None] / 3.0
+    middle = total / 3.0
+
+    starts = np.searchsorted(mesh.triangle_polygon, np.arange(mesh.n_elements))
+    areas = np.add.reduceat(area, starts)
+    first = np.add.reduceat(first, starts, axis=0)
+    # A polygon of no area has no centroid by area: the mean of its triangles' stands in.
+    count = np.diff(np.append(starts, len(area)))
+    mean = np.add.reduceat(middle, starts, axis=0) / count[:, None]
+    with np.errstate(invalid="ignore", divide="ignore"):
+        points = np.where(areas[:, None] > 0, first / areas[:, None], mean)
+    return Moments(points + origin, areas, first, np.add.reduceat(second, starts, axis=0))
+
+
+def _of_points(cloud: PointCloud, origin: FloatArray) -> Moments:
+    """Each point with its area, all of it in one place."""
+    local = cloud.vertices - origin
+    first = cloud.areas[:, None] * local
+    return Moments(cloud.vertices.copy(), cloud.areas.copy(), first, first[:, _I] * local[:, _J])
+
+
+def _of_cells(grid: VoxelGrid, origin: FloatArray) -> Moments:
+    """Volumes of cubes: over one of side h around c, ``int x x^T`` is ``h^3 (c c^T + h^2/12)``."""
+    centers = grid.centers
+    local = centers - origin
+    volume = grid.pitch**3
+    second = local[:, _I] * local[:, _J] + grid.pitch**2 / 12.0 * (_I == _J)
+    return Moments(centers, np.full(len(centers), volume), volume * local, volume * second)

@@ -1,0 +1,394 @@
+"""A shape: surface elements of any kind, with what the method needs to know of each.
+
+Section 4 of the paper classifies *surface elements*, faces of a mesh, points of a cloud or cells
+of a voxel grid, by a point that stands for each. Everything that a part measures from its
+elements, area, centroid and principal axes, follows from three numbers per element
+(:mod:`moseg_core.shape.moments`):
+
+- its area ``A``,
+- its centroid, ``(1/A) int x dA``,
+- its second moment ``int (x - o)(x - o)^T dA`` about the shape's centre ``o``.
+
+These add up over the elements of a part, so that a part's PCA does not depend on how its
+surface is tessellated. The geometry itself stays at hand for measures that need more. What a
+shape does not know, which elements touch or what volume it encloses, the user may have estimated
+(:meth:`Shape.with_adjacency`, :meth:`Shape.with_volume`).
+
+A shape is in the user's own units. The search works in *unit coordinates*, in which the centre
+of the bounding box is the origin and its diagonal is 1; :class:`Frame` goes between the two.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from moseg_core.errors import ShapeError, UsageError, unknown
+from moseg_core.shape.adjacency import (
+    NEAREST,
+    Adjacency,
+    grid_adjacency,
+    mesh_adjacency,
+    near_pairs,
+)
+from moseg_core.shape.cloud import PointCloud
+from moseg_core.shape.data import Frame, Measured
+from moseg_core.shape.geometry import Geometry
+from moseg_core.shape.mesh import PolygonMesh
+from moseg_core.shape.moments import element_moments
+from moseg_core.shape.volume.capped import capped_volume
+from moseg_core.shape.volume.enclosed import enclosed_volume
+from moseg_core.shape.volume.estimated import estimated_volume
+from moseg_core.shape.voxels import Elements, VoxelGrid
+from moseg_core.types import FloatArray
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
+class Shape(Measured):
+    """Surface elements with their areas, moments and neighbours.
+
+    Build one with :meth:`from_mesh`, :meth:`from_points`, :meth:`from_voxels` or
+    :func:`moseg_core.load`. What it holds is described in
+    :class:`~moseg_core.shape.data.Measured`, its base.
+    """
+
+    @classmethod
+    def from_mesh(
+        cls,
+        vertices: Any,
+        faces: npt.ArrayLike | Iterable[Sequence[int]] | None = None,
+        *,
+        name: str = "shape",
+    ) -> Shape:
+        """From vertices and polygons, or from anything with ``vertices`` and ``faces``.
+
+        Parameters
+        ----------
+        vertices : (V, 3) array_like of float, model units; or a trimesh object
+        faces : (F, k) array_like of int, or an iterable of sequences, optional
+            One element, and so one label, per face, in this order.
+        name : str
+            What to call the shape in messages.
+
+        Returns
+        -------
+        Shape
+
+        Raises
+        ------
+        ShapeError
+            Empty or malformed arrays, coordinates that are not finite, no face with an area.
+
+        Examples
+        --------
+        >>> shape = Shape.from_mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+        >>> shape.n_elements, shape.areas.tolist()
+        (1, [0.5])
+        """
+        if faces is None:
+            if not (hasattr(vertices, "vertices") and hasattr(vertices, "faces")):
+                raise ShapeError("from_mesh takes vertices and faces, or a trimesh object")
+            vertices, faces = np.asarray(vertices.vertices), np.asarray(vertices.faces)
+        mesh = PolygonMesh.from_faces(vertices, faces)
+        return cls.from_polygon_mesh(mesh, name=name)
+
+    @classmethod
+    def from_polygon_mesh(cls, mesh: PolygonMesh, *, name: str = "shape") -> Shape:
+        """From a mesh that was checked already; see :meth:`from_mesh`."""
+        adjacency = mesh_adjacency(mesh)
+        volume, reason = enclosed_volume(mesh, adjacency)
+        duplicates = len(mesh.vertices) - int(mesh.merged.max()) - 1
+        notes = [f"{duplicates} duplicate vertices, joined by position"] if duplicates else []
+        return cls._made(mesh, adjacency, volume, reason, notes, name)
+
+    @classmethod
+    def from_points(
+        cls,
+        points: npt.ArrayLike,
+        *,
+        areas: npt.ArrayLike | None = None,
+        normals: npt.ArrayLike | None = None,
+        adjacency: Literal["knn"] | None = None,
+        name: str = "shape",
+    ) -> Shape:
+        """From the points of a cloud; one element, and so one label, per point.
+
+        Parameters
+        ----------
+        points : (F, 3) array_like of float, model units
+        areas : (F,) array_like of float, model units squared, optional
+            How much surface each point stands for; estimated by default
+            (:mod:`moseg_core.shape.cloud`).
+        normals : (F, 3) array_like of float, optional
+            Directions away from the surface, of any length; the volume can be estimated from
+            them (:meth:`with_volume`).
+        adjacency : "knn", optional
+            See :meth:`with_adjacency`. By default it is not known which points touch.
+        name : str
+
+        Raises
+        ------
+        ShapeError
+            Malformed arrays, numbers that are not finite, points in one place only.
+
+        Examples
+        --------
+        >>> shape = Shape.from_points([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]])
+        >>> shape.n_elements, shape.adjacency, shape.volume
+        (4, None, None)
+        """
+        cloud = PointCloud.from_points(points, areas=areas, normals=normals)
+        made = cls._made(cloud, None, None, "it is a point cloud", [], name)
+        return made if adjacency is None else made.with_adjacency(adjacency)
+
+    @classmethod
+    def from_voxels(
+        cls,
+        occupied: npt.ArrayLike,
+        *,
+        pitch: float = 1.0,
+        origin: npt.ArrayLike = (0.0, 0.0, 0.0),
+        elements: Elements = "solid",
+        name: str = "shape",
+    ) -> Shape:
+        """From the occupied cells of a grid; one element, and so one label, per cell.
+
+        Parameters
+        ----------
+        occupied : (nx, ny, nz) array_like of bool
+        pitch : float, model units
+            Side of a cell.
+        origin : (3,) array_like of float, model units
+            Least corner of the cell (0, 0, 0).
+        elements : {"solid", "surface"}
+            Whether all occupied cells are elements, in C order, or only those with an exposed
+            face; see :mod:`moseg_core.shape.voxels`.
+        name : str
+
+        Raises
+        ------
+        ShapeError
+            No grid in three dimensions, no occupied cell, a pitch that is not positive.
+        UsageError
+            Other elements.
+
+        Examples
+        --------
+        >>> block = Shape.from_voxels(np.ones((3, 3, 3), bool), pitch=2.0)
+        >>> block.n_elements, block.volume, block.solid
+        (27, 216.0, True)
+        """
+        grid = VoxelGrid.from_occupied(occupied, pitch=pitch, origin=origin, elements=elements)
+        return cls._made(grid, grid_adjacency(grid), grid.volume, "", [], name)
+
+    @classmethod
+    def _made(
+        cls,
+        geometry: Geometry,
+        adjacency: Adjacency | None,
+        volume: float | None,
+        reason: str,
+        notes: list[str],
+        name: str,
+    ) -> Shape:
+        """From a geometry and what is known of it; measures the elements."""
+        used = geometry.vertices[geometry.corners]
+        low, high = used.min(axis=0), used.max(axis=0)
+        scale = float(np.linalg.norm(high - low))
+        frame = Frame((low + high) / 2.0, scale)
+        moments = element_moments(geometry, frame.center)
+        # A bounding box of no extent, or needles only: nothing to measure areas against.
+        degenerate = moments.areas <= 1e-14 * scale ** (3 if geometry.solid else 2)
+        if scale == 0.0 or degenerate.all():
+            raise ShapeError(
+                f"all {geometry.n_elements} {geometry.noun}s are degenerate: they have no area to"
+                f" segment"
+            )
+        flat = int(degenerate.sum())
+        if flat:
+            notes = [
+                *notes,
+                f"{flat} {geometry.noun}s have no area; they take part and carry no weight",
+            ]
+        components = 1 if adjacency is None else adjacency.components()[0]
+        if components > 1:
+            notes = [*notes, _in_components(components)]
+        if reason:
+            notes = [*notes, f"encloses no volume: {reason}"]
+        return cls(
+            points=moments.points,
+            areas=moments.areas,
+            first_moments=moments.first,
+            second_moments=moments.second,
+            frame=frame,
+            adjacency=adjacency,
+            volume=volume,
+            volume_reason=reason,
+            geometry=geometry,
+            notes=tuple(notes),
+            name=name,
+        )
+
+    def with_adjacency(self, which: str, *, nearest: int = NEAREST) -> Shape:
+        """The same shape with other neighbours.
+
+        Parameters
+        ----------
+        which : {"auto", "knn", "none"}
+            "auto" is what the shape knows of itself: shared edges of polygons, shared faces of
+            cells, nothing of points. "knn" adds the elements that are mutually among each
+            other's nearest. With "none" segments are not kept connected.
+        nearest : int
+            How many elements are the nearest of one.
+
+        Raises
+        ------
+        UsageError
+            Another word.
+
+        Examples
+        --------
+        >>> pairs = Shape.from_points([[x, 0, 0] for x in (0, 1, 5, 6)])
+        >>> pairs.with_adjacency("knn", nearest=1).adjacency.components()[0]
+        2
+        """
+        if which == "auto":
+            return self
+        if which not in ("knn", "none"):
+            raise UsageError(unknown("adjacency", which, ("auto", "knn", "none")))
+        adjacency, found = None, []
+        if which == "knn":
+            pairs = near_pairs(self.points, nearest)
+            if self.adjacency is not None:
+                pairs = np.concatenate([self.adjacency.pairs, pairs])
+            adjacency = Adjacency.from_pairs(pairs, self.n_elements)
+            components = adjacency.components()[0]
+            found = [f"the {nearest} nearest {self.noun}s count as neighbours, where mutually so"]
+            found += [_in_components(components)] if components > 1 else []
+        kept = [note for note in self.notes if not note.startswith(_COMPONENTS)]
+        return replace(self, adjacency=adjacency, notes=(*kept, *found))
+
+    def with_volume(self, volume: float | str) -> Shape:
+        """The same shape with an estimate of the volume that it encloses.
+
+        Parameters
+        ----------
+        volume : float or {"hull", "winding"}
+            In model units cubed; or that of the convex hull; or that of all places around which
+            the surface winds more than half (:mod:`moseg_core.shape.volume.estimated`).
+
+        Raises
+        ------
+        UsageError
+            Another word, or a number that is not positive.
+        ShapeError
+            The volume cannot be estimated: a flat hull, points without normals.
+
+        Examples
+        --------
+        >>> cube = [[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)]
+        >>> Shape.from_points(cube).with_volume("hull").volume
+        1.0
+        """
+        value, how = estimated_volume(self.geometry, self.name, volume)
+        kept = [note for note in self.notes if not note.startswith("encloses no volume")]
+        return replace(
+            self,
+            volume=value,
+            volume_reason="",
+            notes=(*kept, f"the enclosed volume is taken to be {value:.6g}, {how}"),
+        )
+
+    def with_elements(self, elements: Elements) -> Shape:
+        """The same voxel grid with all cells as elements, or only those of its surface.
+
+        Parameters
+        ----------
+        elements : {"solid", "surface"}
+
+        Raises
+        ------
+        ShapeError
+            The shape is no voxel grid.
+        UsageError
+            Other elements.
+        """
+        grid = self.geometry
+        if not isinstance(grid, VoxelGrid):
+            raise ShapeError(
+                f"'{self.name}' is a {grid.kind}; only of a voxel grid can the elements be"
+                f" '{elements}'"
+            )
+        return Shape.from_voxels(
+            grid.occupied, pitch=grid.pitch, origin=grid.origin, elements=elements, name=self.name
+        )
+
+    def deformed(self, vertices: FloatArray, *, space: str) -> Shape:
+        """The same elements with their vertices elsewhere, as in an embedding (Sec. 9).
+
+        Parameters
+        ----------
+        vertices : (V, 3) float
+            A new place for every vertex of :attr:`geometry`, in units of its own. Vertices at
+            one position should stay together.
+        space : str
+            What to call the deformed version; part of every memo key.
+
+        Returns
+        -------
+        Shape
+            Its areas, moments and frame are those of the deformed surface, its neighbours those
+            of this one. Its volume is the absolute signed volume of the deformed surface, its
+            holes capped, where this one has a volume: parts that fold over each other count with
+            their sign.
+
+        Raises
+        ------
+        ShapeError
+            Not one finite place for every vertex, or nothing has an area any more; or the shape
+            is no mesh.
+
+        Examples
+        --------
+        >>> flat = Shape.from_mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+        >>> flat.deformed(2 * flat.geometry.vertices, space="twice").areas.tolist()
+        [2.0]
+        """
+        if not isinstance(self.geometry, PolygonMesh):
+            raise ShapeError(
+                f"'{self.name}' is a {self.geometry.kind}; only a polygon mesh can be deformed"
+            )
+        places = np.array(vertices, dtype=np.float64)
+        if places.shape != self.geometry.vertices.shape or not np.isfinite(places).all():
+            raise ShapeError(
+                f"a deformation of '{self.name}' needs a finite place for each of its"
+                f" {len(self.geometry.vertices)} vertices, not an array of shape {places.shape}"
+            )
+        mesh = replace(self.geometry, vertices=places)
+        bent = Shape.from_polygon_mesh(mesh, name=self.name)
+        corners = places[mesh.triangles]
+        volume, reason = self.volume, self.volume_reason
+        if volume is not None:
+            volume = capped_volume(places - corners.reshape(-1, 3).mean(axis=0), mesh.triangles)
+            if volume <= 1e-12 * bent.frame.scale**3:
+                volume, reason = None, f"it is flat in the space '{space}'"
+        return replace(
+            bent,
+            adjacency=self.adjacency,
+            volume=volume,
+            volume_reason=reason,
+            notes=self.notes,
+            space=space,
+            original=self,
+        )
+
+
+_COMPONENTS = "the surface has"
+
+
+def _in_components(count: int) -> str:
+    return f"{_COMPONENTS} {count} connected components"

@@ -1,0 +1,132 @@
+"""The volume of an open surface, by a cap over each loop of its boundary.
+
+A part that was cut out of a surface encloses no volume by itself; it is closed first, by a cap
+over each loop of its boundary. A cap is a fan of triangles from the loop's edges to the loop's
+centroid, the mean of its points by length, which does not depend on how the edges are divided.
+Over a plane loop the fan is the flat lid, whatever the loop's outline: triangles that overlap have
+opposite signs. So what is cut off along planes has exactly the volume of the solid cut along them.
+
+The volume is the sum of the signed tetrahedra over the faces and the caps. It takes no more than
+the boundary's edges: those that the faces run through more often one way than the other. Two
+loops that touch in one vertex are told apart; they are different *blocks* of the graph of these
+edges, which no single vertex separates.
+
+Parts that are segmented in their turn (:mod:`moseg_core.shape.subshape`) have this volume, and so
+do the objectives that ask how much a part fills.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+
+import numpy as np
+
+from moseg_core.types import FloatArray, IntArray
+
+
+def capped_volume(vertices: FloatArray, triangles: IntArray) -> float:
+    """Volume of a surface after its boundary loops are capped.
+
+    Parameters
+    ----------
+    vertices : (V, 3) float, model units
+        Near the origin, for accuracy. Those at one position are one.
+    triangles : (T, 3) int
+        Should be oriented alike, all outward or all inward; no matter which. Of triangles that
+        are not, the volumes cancel.
+
+    Returns
+    -------
+    float, model units cubed
+        Not negative. Pieces add up, and a piece that is turned inside out within another, the
+        wall of a cavity, is subtracted.
+
+    Examples
+    --------
+    >>> tent = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    >>> round(capped_volume(tent, np.array([[0, 1, 3], [1, 2, 3], [2, 0, 3]])), 6)
+    0.166667
+    """
+    a, b, c = (vertices[triangles[:, k]] for k in range(3))
+    volume = float(np.einsum("ij,ij->", a, np.cross(b, c)))
+    positions, edges, counts = _boundary(vertices, triangles)
+    if len(edges):
+        start, stop = positions[edges[:, 0]], positions[edges[:, 1]]
+        loop = _blocks(edges)
+        lengths = np.linalg.norm(stop - start, axis=1) * counts
+        total = np.bincount(loop, lengths)
+        middles = (start + stop) / 2.0
+        centroids = np.stack(
+            [np.bincount(loop, lengths * middles[:, k]) / total for k in range(3)], axis=1
+        )
+        # A cap runs through the loop's edges the other way.
+        caps = np.einsum("ij,ij->i", centroids[loop], np.cross(stop, start))
+        volume += float(counts @ caps)
+    return abs(volume) / 6.0
+
+
+def _boundary(vertices: FloatArray, triangles: IntArray) -> tuple[FloatArray, IntArray, IntArray]:
+    """(positions, (e, 2) directed edges that are not balanced, by how many each)."""
+    ends = np.concatenate([triangles[:, [k, (k + 1) % 3]] for k in range(3)])
+    # First by number, which leaves little to be compared by position.
+    ends, counts = _net(ends, np.ones(len(ends), np.int64), len(vertices))
+    used, compact = np.unique(ends, return_inverse=True)
+    # Adding 0.0 turns -0.0 into 0.0, which compare equal but differ in their bytes.
+    positions, merged = np.unique(vertices[used] + 0.0, axis=0, return_inverse=True)
+    edges = merged.reshape(-1)[compact.reshape(-1, 2)]
+    return positions, *_net(edges, counts, len(positions))
+
+
+def _net(ends: IntArray, counts: IntArray, size: int) -> tuple[IntArray, IntArray]:
+    """Edges in the direction that prevails, with what remains; balanced ones left out."""
+    low, high = ends.min(axis=1), ends.max(axis=1)
+    signed = np.where(ends[:, 0] == low, counts, -counts) * (low != high)
+    code, group = np.unique(low * np.int64(size) + high, return_inverse=True)
+    net = np.bincount(group.reshape(-1), signed, minlength=len(code)).astype(np.int64)
+    code, net = code[net != 0], net[net != 0]
+    edges = np.stack(np.divmod(code, max(size, 1)), axis=1)
+    edges[net < 0] = edges[net < 0, ::-1]
+    return edges, np.abs(net)
+
+
+def _blocks(edges: IntArray) -> IntArray:
+    """The block of each edge in an undirected graph, numbered from 0 (Hopcroft and Tarjan)."""
+    incident: dict[int, list[tuple[int, int]]] = defaultdict(list)
+    for number, (u, v) in enumerate(edges.tolist()):
+        incident[u].append((number, v))
+        incident[v].append((number, u))
+    block = np.full(len(edges), -1)
+    found = 0
+    depth: dict[int, int] = {}
+    low: dict[int, int] = {}
+    for root in incident:
+        if root in depth:
+            continue
+        depth[root] = low[root] = 0
+        pending: list[int] = []  # edges that have no block yet
+        path = [(root, -1, iter(incident[root]))]
+        while path:
+            here, entry, rest = path[-1]
+            for number, there in rest:
+                if number == entry:
+                    continue
+                if there not in depth:
+                    pending.append(number)
+                    depth[there] = low[there] = len(path)
+                    path.append((there, number, iter(incident[there])))
+                    break
+                if depth[there] < depth[here]:
+                    pending.append(number)
+                    low[here] = min(low[here], depth[there])
+            else:
+                path.pop()
+                if not path:
+                    break
+                parent = path[-1][0]
+                low[parent] = min(low[parent], low[here])
+                if low[here] >= depth[parent]:
+                    first = pending.index(entry)
+                    block[pending[first:]] = found
+                    del pending[first:]
+                    found += 1
+    return block

@@ -1,0 +1,211 @@
+"""Voxel grids: elements that are cells, cubes of a regular grid.
+
+Two readings of the same grid. As a *solid*, every occupied cell is an element, and a part is a
+piece of the solid: its measures are those of the volume. As a *surface*, only cells with an
+exposed face, one behind which the grid is empty, are elements, and each stands for its exposed
+squares; a part is a piece of the staircase that bounds the solid. Directions are sampled by the
+grid: of a slope the staircase has up to sqrt(3) times the area, equally in all its parts that are
+inclined alike.
+
+Cells are numbered in C order, the last index runs fastest; a cell's index times the pitch, added
+to the origin, is its least corner.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, ClassVar, Literal, get_args
+
+import numpy as np
+import numpy.typing as npt
+
+from moseg_core.errors import ShapeError, UsageError, unknown
+from moseg_core.shape.geometry import Geometry
+from moseg_core.types import BoolArray, FloatArray, IntArray, frozen
+
+Elements = Literal["solid", "surface"]
+
+# The corners of a cell: those of number k are at the bits of k.
+_CORNERS = np.array([[k >> 2 & 1, k >> 1 & 1, k & 1] for k in range(8)])
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class VoxelGrid(Geometry):
+    """Occupied cells of a regular grid.
+
+    Build one with :meth:`from_occupied`.
+
+    Parameters
+    ----------
+    vertices, corners, offsets, triangles, triangle_polygon
+        As in :class:`~moseg_core.shape.geometry.Geometry`: the eight corners of every element, and
+        two triangles for each of its exposed faces, which show their outer side.
+    occupied : (nx, ny, nz) bool
+        The whole grid, cells that are no elements included.
+    cells : (F, 3) int
+        The index of each element in the grid, in C order.
+    pitch : float, model units
+        Side of a cell.
+    origin : (3,) float, model units
+        Least corner of the cell (0, 0, 0).
+    elements : {"solid", "surface"}
+        Whether all occupied cells are elements, or those with an exposed face.
+    """
+
+    noun: ClassVar[str] = "cell"
+    kind: ClassVar[str] = "voxel grid"
+
+    occupied: BoolArray
+    cells: IntArray
+    pitch: float
+    origin: FloatArray
+    elements: Elements
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for array in (self.occupied, self.cells, self.origin):
+            frozen(array)
+
+    @classmethod
+    def from_occupied(
+        cls,
+        occupied: npt.ArrayLike,
+        *,
+        pitch: float = 1.0,
+        origin: npt.ArrayLike = (0.0, 0.0, 0.0),
+        elements: Elements = "solid",
+    ) -> VoxelGrid:
+        """Check a grid and find the exposed faces of its cells.
+
+        Parameters
+        ----------
+        occupied : (nx, ny, nz) array_like of bool
+        pitch : float, model units
+        origin : (3,) array_like of float, model units
+        elements : {"solid", "surface"}
+
+        Raises
+        ------
+        ShapeError
+            Not a grid in three dimensions, no occupied cell, or a pitch or origin that makes no
+            sense.
+        UsageError
+            Other elements.
+
+        Examples
+        --------
+        >>> block = np.ones((3, 3, 3), bool)
+        >>> solid, surface = (VoxelGrid.from_occupied(block, elements=kind)
+        ...                   for kind in ("solid", "surface"))
+        >>> solid.n_elements, surface.n_elements, len(surface.triangles)
+        (27, 26, 108)
+        """
+        filled = np.array(occupied)
+        if filled.ndim != 3 or filled.dtype != np.bool_:
+            raise ShapeError(
+                f"a voxel grid is a (nx, ny, nz) array of bool, not of {filled.dtype} of shape"
+                f" {filled.shape}"
+            )
+        if not filled.any():
+            raise ShapeError(f"none of the {filled.size} cells of the grid is occupied")
+        corner = np.array(origin, np.float64)
+        if corner.shape != (3,) or not np.isfinite(corner).all() or not 0 < pitch < np.inf:
+            raise ShapeError(
+                f"a grid needs a positive pitch and three coordinates of its origin, not"
+                f" {pitch!r} and {origin!r}"
+            )
+        if elements not in get_args(Elements):
+            raise UsageError(unknown("kind of elements", str(elements), get_args(Elements)))
+        exposed = _exposed(filled)
+        cells = np.argwhere(filled if elements == "solid" else exposed.any(axis=0))
+        vertices, corners = _corners(cells, filled.shape)
+        triangles, owner = _triangles(cells, corners, exposed)
+        return cls(
+            vertices=corner + pitch * vertices,
+            corners=corners.reshape(-1),
+            offsets=8 * np.arange(len(cells) + 1),
+            triangles=triangles,
+            triangle_polygon=owner,
+            occupied=filled,
+            cells=cells,
+            pitch=float(pitch),
+            origin=corner,
+            elements=elements,
+        )
+
+    @property
+    def solid(self) -> bool:
+        """Whether the elements fill a solid, rather than cover a surface."""
+        return self.elements == "solid"
+
+    @property
+    def volume(self) -> float:
+        """Volume of all occupied cells, model units cubed."""
+        return float(np.count_nonzero(self.occupied)) * self.pitch**3
+
+    @cached_property
+    def centers(self) -> FloatArray:
+        """(F, 3) float, model units: the middle of each element."""
+        return frozen(self.origin + self.pitch * (self.cells + 0.5))
+
+    def spread(self, values: npt.NDArray[Any], rest: int) -> npt.NDArray[Any]:
+        """(nx, ny, nz): one value for each element at its place in the grid, else `rest`.
+
+        Parameters
+        ----------
+        values : (F,) of any type
+        rest : int
+            What stands where there is no element.
+
+        Examples
+        --------
+        >>> bar = VoxelGrid.from_occupied(np.array([[[True, False, True]]]))
+        >>> bar.spread(np.array([7, 8]), -1).tolist()
+        [[[7, -1, 8]]]
+        """
+        grid = np.full(self.occupied.shape, rest, values.dtype)
+        grid[tuple(self.cells.T)] = values
+        return grid
+
+
+def _exposed(filled: BoolArray) -> BoolArray:
+    """(6, nx, ny, nz) bool: faces with nothing behind them; along each axis first the lower one."""
+    padded = np.pad(filled, 1)
+    faces = []
+    for axis in range(3):
+        for step in (1, -1):
+            behind = np.roll(padded, step, axis=axis)[1:-1, 1:-1, 1:-1]
+            faces.append(filled & ~behind)
+    return np.stack(faces)
+
+
+def _corners(cells: IntArray, shape: tuple[int, ...]) -> tuple[IntArray, IntArray]:
+    """Distinct corners of some cells as lattice points, and the (F, 8) numbers of each cell's."""
+    size = np.array(shape) + 1
+    at = cells[:, None, :] + _CORNERS
+    code = np.ravel_multi_index(tuple(np.moveaxis(at, -1, 0)), tuple(size))
+    used = np.zeros(int(size.prod()), np.bool_)
+    used[code] = True
+    number = np.cumsum(used) - 1
+    lattice = np.stack(np.unravel_index(np.flatnonzero(used), tuple(size)), axis=1)
+    return lattice, number[code]
+
+
+def _triangles(cells: IntArray, corners: IntArray, exposed: BoolArray) -> tuple[IntArray, IntArray]:
+    """Two triangles for each exposed face, counter-clockwise from outside; the cell of each."""
+    triangles, owners = [], []
+    for face, shown in enumerate(exposed):
+        axis, upper = divmod(face, 2)
+        chosen = np.flatnonzero(shown[tuple(cells.T)])
+        # The bits of a corner's number are its places along x, y and z.
+        along, first, second = 4 >> axis, 4 >> (axis + 1) % 3, 4 >> (axis + 2) % 3
+        base = along * upper
+        ring = np.array([base, base + first, base + first + second, base + second])
+        ring = ring if upper else ring[::-1]
+        quad = corners[chosen][:, ring]
+        triangles += [quad[:, [0, 1, 2]], quad[:, [0, 2, 3]]]
+        owners += [chosen, chosen]
+    owner = np.concatenate(owners)
+    order = np.argsort(owner, kind="stable")
+    return np.concatenate(triangles)[order], owner[order]

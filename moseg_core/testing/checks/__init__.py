@@ -1,0 +1,1 @@
+"""What each kind of component promises, a module of checks for each."""

@@ -1,0 +1,47 @@
+"""The contingency table against sets of elements."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+
+from moseg_core.agreement import overlap
+from moseg_core.errors import UsageError
+from tests.agreement import references
+from tests.agreement.labellings import pairs_of_labellings
+
+
+@given(pairs_of_labellings())
+@settings(max_examples=100)
+def test_the_table_holds_what_parts_have_in_common(case):
+    first, second, weights = case
+    table = overlap(first, second, weights)
+    ours, others = references.parts(first), references.parts(second)
+    expected = {
+        (i, j): references.weigh(mine & other, weights)
+        for i, mine in enumerate(ours)
+        for j, other in enumerate(others)
+        if mine & other
+    }
+    cells = list(zip(table.first.tolist(), table.second.tolist(), strict=True))
+    assert len(set(cells)) == len(cells)
+    assert dict(zip(cells, table.shared.tolist(), strict=True)) == pytest.approx(expected)
+    assert table.first_sizes == pytest.approx([references.weigh(part, weights) for part in ours])
+    assert table.second_sizes == pytest.approx([references.weigh(part, weights) for part in others])
+    assert table.total == pytest.approx(sum(weights))
+    assert table.squares == pytest.approx(sum(w * w for w in weights))
+
+
+def test_a_part_for_every_element_on_both_sides_needs_no_square_table():
+    n = 300_000  # a full table would take 720 GB
+    table = overlap(np.arange(n), np.arange(n)[::-1])
+    assert len(table.shared) == n
+    assert table.total == n
+
+
+@pytest.mark.parametrize("sizes", [(3, 4, 3), (3, 3, 2), (1, 3, 3)])
+def test_arrays_of_different_lengths_are_refused(sizes):
+    first, second, weights = (np.zeros(size, int) for size in sizes)
+    with pytest.raises(UsageError, match="these have {}, {} and {}".format(*sizes)):
+        overlap(first, second, weights)

@@ -1,0 +1,126 @@
+"""Specs: what a name and a target may look like, and which hook brings which spec."""
+
+from __future__ import annotations
+
+import dataclasses
+import typing
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from moseg_core.components.discovery import hookspecs
+from moseg_core.components.discovery.hookspecs import HOOKS
+from moseg_core.components.discovery.specs import (
+    NAME,
+    Kind,
+    MeasureSpec,
+    ObjectiveSpec,
+    OptimizerSpec,
+    ReaderSpec,
+    Spec,
+    WriterSpec,
+)
+from moseg_core.language import parse
+
+
+@pytest.mark.parametrize("name", ["narrow", "a", "x2", "convex_parts", "a_", "k9_9"])
+def test_names(name):
+    assert ObjectiveSpec(name=name, target="a:b").name == name
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["", "Narrow", "2d", "_x", "a-b", "a b", "a:b", "a.b", "tête", "a\n", "\n", "a*", "٣", "a٣"],
+)
+def test_other_names_are_refused(name):
+    with pytest.raises(ValueError, match=r"objective name .* is not made of lower-case letters"):
+        ObjectiveSpec(name=name, target="a:b")
+
+
+@pytest.mark.parametrize("target", ["a:b", "package.module:Name", "_a.b2.c:NAME_2", "A:_b"])
+def test_targets(target):
+    assert OptimizerSpec(name="x", target=target).target == target
+
+
+@pytest.mark.parametrize(
+    "target",
+    [
+        "",
+        "a",
+        "a:",
+        ":b",
+        "a.b",
+        "a:b.c",
+        "a:b:c",
+        "a b:c",
+        "a:b c",
+        "a/b:c",
+        "1a:b",
+        "a:1",
+        "a:b\n",
+    ],
+)
+def test_other_targets_are_refused(target):
+    with pytest.raises(ValueError, match="of optimizer 'x' is not of the form"):
+        OptimizerSpec(name="x", target=target)
+
+
+@given(st.text())
+def test_any_name_is_taken_or_refused_and_can_be_written_in_an_expression(name):
+    try:
+        spec = ObjectiveSpec(name=name, target="a:b")
+    except ValueError:
+        assert not NAME.match(name)
+        return
+    assert parse(f"{spec.name} + b:{spec.name}").terms[0].name == name
+
+
+@given(st.from_regex(NAME, fullmatch=True))
+def test_every_allowed_name_can_be_written_in_an_expression(name):
+    ObjectiveSpec(name=name, target="a:b")
+    assert [term.name for term in parse(f"{name} + {name}:{name}").terms] == [
+        name,
+        f"{name}:{name}",
+    ]
+
+
+def test_every_kind_has_its_spec_and_its_hook():
+    assert [kind for kind, _ in HOOKS.values()] == list(typing.get_args(Kind))
+    for hook, (kind, spec_type) in HOOKS.items():
+        assert issubclass(spec_type, Spec)
+        assert spec_type.kind == kind
+        declared = getattr(hookspecs, hook)
+        assert declared.moseg_spec is not None
+        assert spec_type.__name__ in declared.__annotations__["return"]
+
+
+def test_no_hook_is_declared_that_is_not_collected():
+    declared = {name for name in dir(hookspecs) if hasattr(getattr(hookspecs, name), "moseg_spec")}
+    assert declared == set(HOOKS)
+
+
+def test_specs_are_values_that_cannot_be_changed():
+    spec = MeasureSpec(name="x", target="a:b")
+    assert spec == MeasureSpec(name="x", target="a:b")
+    assert spec != MeasureSpec(name="x", target="a:b", keep=False)
+    assert spec != ObjectiveSpec(name="x", target="a:b")
+    assert (spec.summary, spec.keep) == ("", True)
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        spec.name = "y"
+
+
+@pytest.mark.parametrize("make", [ReaderSpec, WriterSpec])
+@pytest.mark.parametrize("suffixes", [(".off",), (".ply", ".plyz"), (".tar.gz",)])
+def test_suffixes(make, suffixes):
+    assert make(name="x", target="a:b", suffixes=suffixes).suffixes == suffixes
+
+
+@pytest.mark.parametrize("make", [ReaderSpec, WriterSpec])
+@pytest.mark.parametrize(
+    "suffixes", [".off", ("off",), (".OFF",), (), (".",), ("",)], ids=["text", *"abcde"]
+)
+def test_suffixes_that_no_file_can_have_are_refused(make, suffixes):
+    # A text instead of a tuple would be taken apart into letters, and never match.
+    with pytest.raises(ValueError, match="suffix"):
+        make(name="x", target="a:b", suffixes=suffixes)

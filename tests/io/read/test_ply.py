@@ -1,0 +1,266 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from moseg_core.io.read.ply import read_ply, read_ply_label_names, read_ply_labels
+
+CODES = {
+    "char": "i1", "uchar": "u1", "int16": "i2", "ushort": "u2", "int": "i4", "uint32": "u4",
+    "float": "f4", "double": "f8",
+}  # fmt: skip
+ORDERS = {"binary_little_endian": "<", "binary_big_endian": ">"}
+FORMATS = ["ascii", *ORDERS]
+
+VERTICES = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1.5)])
+FACES = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]
+
+
+def encode(form: str, elements: list[tuple[str, list[str], list[list]]], *, comments=()) -> bytes:
+    """A PLY file from (element, properties, rows); a list in a row is a list property."""
+    header = ["ply", f"format {form} 1.0", *(f"comment {text}" for text in comments)]
+    for name, properties, rows in elements:
+        header += [f"element {name} {len(rows)}", *(f"property {p}" for p in properties)]
+    body = b""
+    for _, properties, rows in elements:
+        types = [declared.split()[:-1] for declared in properties]
+        for row in rows:
+            if form == "ascii":
+                words = []
+                for value in row:
+                    words += [len(value), *value] if isinstance(value, list) else [value]
+                body += " ".join(map(str, words)).encode() + b"\n"
+                continue
+            for value, kind in zip(row, types, strict=True):
+                if kind[0] == "list":
+                    body += np.array(len(value), ORDERS[form] + CODES[kind[1]]).tobytes()
+                body += np.array(value, ORDERS[form] + CODES[kind[-1]]).tobytes()
+    return "\n".join([*header, "end_header\n"]).encode() + body
+
+
+def mesh_file(form: str, vertices=VERTICES, faces=FACES, labels=None, comments=()) -> bytes:
+    properties = ["list uchar int vertex_indices"]
+    rows: list[list] = [[list(face)] for face in faces]
+    if labels is not None:
+        properties.append("int label")
+        rows = [[*row, label] for row, label in zip(rows, labels, strict=True)]
+    elements = [
+        ("vertex", ["float x", "float y", "float z"], np.asarray(vertices).tolist()),
+        ("face", properties, rows),
+    ]
+    return encode(form, elements, comments=comments)
+
+
+ASCII = mesh_file("ascii").decode()
+BINARY = mesh_file("binary_little_endian")
+
+
+@given(data=st.data(), form=st.sampled_from(FORMATS))
+def test_round_trip(data, form, as_file, polygon_meshes, polygons_of):
+    vertices, faces = data.draw(polygon_meshes)
+    path = as_file("random.ply", mesh_file(form, vertices, faces))
+    shape = read_ply(path)
+    assert shape.name == "random"
+    np.testing.assert_array_equal(shape.geometry.vertices, vertices)
+    assert polygons_of(shape) == faces
+    assert read_ply_labels(path) is None
+
+
+@given(data=st.data(), form=st.sampled_from(FORMATS))
+def test_other_elements_and_properties_are_passed_over(
+    data, form, as_file, polygon_meshes, polygons_of
+):
+    vertices, faces = data.draw(polygon_meshes)
+    number = st.integers(0, 100)
+    numbers = st.lists(number, max_size=3)
+    labels = [data.draw(number) for _ in faces]
+    elements = [
+        ("camera", ["double angle", "list char ushort ids"], [[0.5, data.draw(numbers)]]),
+        (
+            "vertex",
+            ["uchar red", "double z", "list uint32 float weights", "float y", "float x"],
+            [[7, z, data.draw(numbers), y, x] for x, y, z in vertices.tolist()],
+        ),
+        ("nothing", [], []),
+        (
+            "face",
+            ["int16 flags", "list ushort float texcoord", "list int uint32 vertex_index",
+             "uchar label", "list uchar char more"],
+            [
+                [-1, data.draw(numbers), face, label, data.draw(numbers)]
+                for face, label in zip(faces, labels, strict=True)
+            ],
+        ),
+        ("edge", ["int vertex1", "int vertex2"], [[0, 1], [1, 2]]),
+    ]  # fmt: skip
+    path = as_file("rich.ply", encode(form, elements))
+    shape = read_ply(path)
+    np.testing.assert_array_equal(shape.geometry.vertices, vertices)
+    assert polygons_of(shape) == faces
+    assert read_ply_labels(path).tolist() == labels
+
+
+@pytest.mark.parametrize(
+    "contents",
+    [
+        ASCII.replace("\n", "\r\n"),
+        ASCII.replace("\n", "\r"),
+        ASCII.replace("\n0.0 1.0", "\n\n0.0 1.0"),
+        ASCII.replace("element face", "comment of no use\nobj_info none\n\nelement face"),
+        ASCII.replace("uchar int", "uint8 int32").replace("float x", "float32 x"),
+        ASCII + "\n \n",
+        BINARY.replace(b"\n", b"\r\n", 8).replace(b"end_header\n", b"end_header\r\n"),
+        BINARY.replace(b"\n", b"\r", 9),
+        BINARY + b"\n",
+    ],
+)
+def test_variants_of_the_format_read_alike(contents, as_file, polygons_of):
+    shape = read_ply(as_file("variant.ply", contents))
+    assert polygons_of(shape) == FACES
+    np.testing.assert_array_equal(shape.geometry.vertices, VERTICES)
+
+
+def test_binary_data_may_begin_like_the_end_of_a_line(as_file):
+    # The first byte of the data is 10, a line feed, behind a header whose lines end in LF or CR.
+    vertices = np.frombuffer(np.array([10, 0, 0, 64] * 3, np.uint8).tobytes(), "<f4")
+    contents = mesh_file("binary_little_endian", [vertices, *VERTICES], [[1, 2, 3], [0, 1, 2]])
+    assert contents.partition(b"end_header\n")[2][0] == 10
+    for header_end in (b"\n", b"\r", b"\r\n"):
+        head, mark, body = contents.partition(b"end_header\n")
+        changed = (head + mark).replace(b"\n", header_end) + body
+        shape = read_ply(as_file("feed.ply", changed))
+        assert shape.n_elements == 2
+
+
+@pytest.mark.parametrize("form", FORMATS)
+def test_labels_and_their_names(form, as_file):
+    comments = ["made by hand", "moseg label 1 upper arm", "moseg label 0 tail"]
+    path = as_file("labelled.ply", mesh_file(form, labels=[1, 0, 0, 1], comments=comments))
+    labels = read_ply_labels(path)
+    assert labels.tolist() == [1, 0, 0, 1]
+    assert labels.dtype == np.int64
+    assert read_ply_label_names(path) == {0: "tail", 1: "upper arm"}
+    assert read_ply(path).n_elements == 4
+
+
+@pytest.mark.parametrize("form", FORMATS)
+def test_vertices_without_faces_are_a_point_cloud(form, as_file):
+    cloud = encode(form, [("vertex", ["float x", "float y", "float z"], VERTICES.tolist())])
+    for contents in (cloud, mesh_file(form, faces=[])):
+        shape = read_ply(as_file("cloud.ply", contents))
+        assert (shape.name, shape.noun, shape.geometry.normals) == ("cloud", "point", None)
+        np.testing.assert_array_equal(shape.points, VERTICES)
+        assert read_ply_labels(as_file("cloud.ply", contents)) is None
+
+
+@pytest.mark.parametrize("form", FORMATS)
+def test_normals_and_labels_of_points(form, as_file):
+    rows = [[3, *row, 0.0, 0.5, 1.0] for row in VERTICES.tolist()]
+    names = ["label", "x", "y", "z", "nx", "ny", "nz"]
+    properties = [f"{'int' if name == 'label' else 'float'} {name}" for name in names]
+    path = as_file("cloud.ply", encode(form, [("vertex", properties, rows)]))
+    np.testing.assert_array_equal(read_ply(path).geometry.normals, [[0.0, 0.5, 1.0]] * 4)
+    assert read_ply_labels(path).tolist() == [3] * 4
+
+
+def test_a_file_without_vertices_is_refused(refusal):
+    empty = encode("ascii", [("vertex", ["float x", "float y", "float z"], [])])
+    assert refusal(read_ply, "cloud.ply", empty).startswith(" has neither faces nor vertices")
+
+
+@pytest.mark.parametrize(
+    ("contents", "message"),
+    [
+        ("", " is empty; export it again"),
+        ("OFF\n", " begins with 'OFF\\n' instead of 'ply'; it is not a PLY file"),
+        ("plywood\n", " begins with 'plywood\\n' instead of 'ply'"),
+        ("ply\nformat ascii 1.0\n", " has no 'end_header'; it is cut off"),
+        (ASCII.replace("format ascii 1.0\n", ""), " names no format in its header"),
+        (ASCII.replace("ascii", "utf8"), ", line 2: 'format utf8 1.0' is not understood in a PLY"),
+        (ASCII.replace("element vertex 4", "element vertex -4"), ", line 3: 'element vertex -4'"),
+        (ASCII.replace("float y", "float x"), ", line 5: property 'x' is repeated"),
+        (ASCII.replace("float y", "real y"), ", line 5: 'real y' is not a property moseg can read"),
+        (ASCII.replace("list uchar", "list float"), ", line 8: 'list float int vertex_indices' is"),
+        (ASCII.replace("element face 4\n", "element vertex 4\n"), " announces an element twice in"),
+        (ASCII.replace("float z", "float w"), " has no coordinate 'z' for its vertices"),
+        (ASCII.replace("vertex_indices", "corners"), " has faces with corners, but without the"),
+        (ASCII.replace("uchar int", "uchar float"), " has vertex indices that are not lists of in"),
+        (ASCII.replace("element face", "element tristrips"), " holds triangle strips, not faces"),
+        (ASCII.replace("face 4", "face 5"), " ends after 4 of 5 rows of the element 'face'; it is"),
+        (ASCII.replace("face 4", "face 3"), ", line 17: there is more than the header announces ("),
+        (ASCII.replace("1.5", "1.5x"), ", line 13: '1.5x' is not a number"),
+        (ASCII.replace(" 1.5", ""), ", line 13: the row of 'vertex' holds 2 numbers, which is not"),
+        (ASCII.replace("1.5", "1.5 9"), ", line 13: the row of 'vertex' holds 4 numbers"),
+        (ASCII.replace("1.5", "nan"), ": vertex 3 is not finite"),
+        (ASCII.replace("3 1 2 3", "3 1 2 x"), ", line 16: 'x' is not an integer"),
+        (ASCII.replace("3 1 2 3", "4 1 2 3"), ", line 16: the row of 'face' holds 4 numbers"),
+        (ASCII.replace("3 1 2 3", "-3 1 2 3"), ", line 16: the row of 'face' holds 4 numbers"),
+        (ASCII.replace("3 1 2 3", "2 1 2"), ": face 2 has 2 corners; a face needs at least 3"),
+        (ASCII.replace("3 1 2 3", "3 1 2 4"), ": face 2 names vertex 4, but there are 4 vertices"),
+        (BINARY[:-1], " ends after 3 of 4 rows of the element 'face'; it is cut off"),
+        (BINARY + b"1", " holds more than its header announces (bytes over: 1); it is damaged"),
+        (
+            BINARY.replace(b"element face 4", b"element face 999999999999999"),
+            " of 999999999999999 rows of the element 'face'; it is cut off",
+        ),
+        (
+            BINARY.replace(b"list uchar", b"list char").replace(b"\x03\1\0\0\0", b"\xff\1\0\0\0"),
+            " has a list of -1 items in row 2 of 'face'; it is damaged",
+        ),
+        (mesh_file("binary_big_endian", VERTICES * np.nan), ": vertex 0 is not finite"),
+        (mesh_file("binary_big_endian", faces=[[0, 1, 4]]), ": face 0 names vertex 4"),
+        (mesh_file("binary_big_endian", faces=[[0, 1, 2], [0, 1]]), ": face 1 has 2 corners"),
+    ],
+)  # fmt: skip
+def test_malformed_files_are_refused_with_the_reason(contents, message, refusal):
+    assert message in refusal(read_ply, "bad.ply", contents)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("float label", " has a face property 'label' that is not one integer"),
+        ("list uchar int label", " has a face property 'label' that is not one integer"),
+    ],
+)
+def test_labels_must_be_integers(text, message, refusal):
+    row = [[0, 1, 2], [1]] if "list" in text else [[0, 1, 2], 1.0]
+    face = ("face", ["list uchar int vertex_indices", text], [row])
+    assert message in refusal(read_ply_labels, "bad.ply", encode("ascii", [face]))
+
+
+@pytest.mark.parametrize(
+    ("comments", "message"),
+    [
+        (["moseg label 0"], " has the comment 'moseg label 0'; it must read 'moseg label <index>"),
+        (["moseg label x body"], " has the comment 'moseg label x body'"),
+        (["moseg label 0 a", "moseg label 0 b"], " names label 0 twice: 'a' and 'b'"),
+    ],
+)
+def test_comments_that_name_no_label(comments, message, refusal):
+    contents = mesh_file("ascii", labels=[0] * 4, comments=comments)
+    assert message in refusal(read_ply_label_names, "bad.ply", contents)
+
+
+@pytest.mark.parametrize("form", list(ORDERS))
+@pytest.mark.parametrize("faces", [FACES, [*FACES[:3], [2, 0, 1, 3]]])
+def test_a_binary_file_that_is_cut_off_is_never_read(form, faces, accepted_cuts):
+    contents = mesh_file(form, faces=faces, labels=[0, 1, 2, 3])
+    for reader in (read_ply, read_ply_labels):
+        assert accepted_cuts(reader, "cut.ply", contents) == {}
+
+
+def test_a_text_file_that_is_cut_off_is_never_read_in_part(accepted_cuts, polygons_of):
+    read = accepted_cuts(read_ply, "cut.ply", ASCII.encode())
+    # Only the end of the last line may go; it takes nothing with it.
+    assert set(read) == {len(ASCII) - 1}
+    assert polygons_of(read[len(ASCII) - 1]) == FACES
+
+
+@pytest.mark.parametrize("form", FORMATS)
+def test_damaged_bytes_are_read_or_refused(form, damages):
+    contents = mesh_file(form, faces=[*FACES, [0, 1, 2, 3]], labels=range(5))
+    assert damages(read_ply, "damaged.ply", contents) > 50
+    assert damages(read_ply_labels, "damaged.ply", contents) > 50

@@ -1,0 +1,396 @@
+"""Names to objectives, labels and parameters; each mistake with its place and advice."""
+
+from __future__ import annotations
+
+import sys
+import types
+from collections.abc import Sequence
+from typing import Annotated
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from moseg_core.components.discovery.registry import Bundle, Component, Registry
+from moseg_core.components.discovery.specs import ObjectiveSpec
+from moseg_core.components.objectives import objective
+from moseg_core.components.parameters import Interval
+from moseg_core.components.part import Part
+from moseg_core.components.segmentation import Segmentation
+from moseg_core.errors import ExpressionError, PluginError, UsageError
+from moseg_core.language import Argument, Expression, Term, parse
+from moseg_core.problem.binding import bind
+
+LABELS = ("head", "body", "leg1", "leg2", "leg10", "Leg3")
+
+
+@objective(range=(0, 1))
+def thin(
+    part: Part,
+    *,
+    power: Annotated[float, Interval(1, 4)] = 2.0,
+    count: Annotated[int, Interval(1)] = 1,
+) -> float:
+    return 0.0
+
+
+@objective(range=(0, 1), cost="moderate")
+def across(first: Part, second: Part) -> float:
+    return 0.0
+
+
+@objective(range=(0, 1), cost="expensive")
+def alike(parts: Sequence[Part]) -> float:
+    return 0.0
+
+
+@objective(range=(0, 1))
+def filled(segmentation: Segmentation) -> float:
+    return 0.0
+
+
+@objective(range=(0, 1))
+def tube(part: Part, *, radius: float, wall: float) -> float:
+    return 0.0
+
+
+OWN = {"thin": thin, "across": across, "alike": alike, "filled": filled, "tube": tube}
+
+
+def installed(*ids: str, target: str = "home_of_objectives:thin") -> Registry:
+    """A registry of objectives with the given ids."""
+    bundles = []
+    for bundle in dict.fromkeys(name.partition(":")[0] for name in ids):
+        components = tuple(
+            Component(bundle, f"moseg-{bundle} 1.0", ObjectiveSpec(name=name, target=target))
+            for name in (n.partition(":")[2] for n in ids if n.startswith(f"{bundle}:"))
+        )
+        bundles.append(Bundle(bundle, f"moseg-{bundle}", "1.0", bundle, components))
+    return Registry(bundles)
+
+
+@pytest.fixture
+def home(monkeypatch) -> types.ModuleType:
+    """The module that the targets of :func:`installed` are in."""
+    module = types.ModuleType("home_of_objectives")
+    module.thin = thin
+    monkeypatch.setitem(sys.modules, module.__name__, module)
+    return module
+
+
+def bound(text: str, registry: Registry = Registry(()), labels: Sequence[str] = LABELS):  # noqa: B008
+    return bind(parse(text), labels, OWN, registry)
+
+
+def refusal(text: str, registry: Registry = Registry(()), labels: Sequence[str] = LABELS):  # noqa: B008
+    """(message without carets, the text that the carets stand under)."""
+    with pytest.raises(ExpressionError) as caught:
+        bound(text, registry, labels)
+    error = caught.value
+    assert error.text == text
+    return str(error).splitlines()[0], text[error.start : error.stop]
+
+
+@pytest.mark.parametrize(
+    ("text", "calls"),
+    [
+        ("thin(head)", ((0,),)),
+        ("thin(head, body)", ((0,), (1,))),
+        ("thin(body, head)", ((1,), (0,))),
+        ("thin(leg*)", ((2,), (3,), (4,))),
+        ("thin(*)", ((0,), (1,), (2,), (3,), (4,), (5,))),
+        ("thin(leg*, head)", ((2,), (3,), (4,), (0,))),
+        ("thin(head, leg*)", ((0,), (2,), (3,), (4,))),
+        ("thin(*eg*)", ((2,), (3,), (4,), (5,))),
+        ("thin(*1*)", ((2,), (4,))),
+        ("thin(leg1*)", ((2,), (4,))),
+        ("thin(l*1)", ((2,),)),
+        ("thin(head*)", ((0,),)),
+        ("across(head, body)", ((0, 1),)),
+        ("across(body, head)", ((1, 0),)),
+        ("across(leg1*)", ((2, 4),)),
+        ("alike(leg*)", ((2, 3, 4),)),
+        ("alike(Leg3, leg*)", ((5, 2, 3, 4),)),
+        ("filled", ((),)),
+        ("filled()", ((),)),
+    ],
+)
+def test_calls(text, calls):
+    (term,) = bound(text)
+    assert term.calls == calls
+
+
+def test_labels_are_matched_with_their_case():
+    assert bound("thin(L*)")[0].calls == ((5,),)
+    message, place = refusal("thin(LEG*)")
+    assert place == "LEG*"
+    assert message.startswith("'LEG*' matches none of the labels head, body, leg1, leg2, leg10, Le")
+
+
+def test_a_bound_term_knows_where_it_comes_from():
+    first, second = bound("-3*thin(head, power=3) + alike(leg*)")
+    assert (first.id, first.distribution, first.objective) == (
+        "python:thin",
+        "the calling program",
+        thin,
+    )
+    assert (first.weight, first.parameters) == (-3.0, {"power": 3.0})
+    assert (first.cost_rank, second.cost_rank) == (0, 2)
+    assert second.parameters == {}
+
+
+def test_what_values_are_remembered_under_tells_objectives_and_parameters_apart():
+    terms = bound(
+        "thin(head) + thin(head, power=3) + thin(head, power=3, count=2)"
+        " + thin(body, count=2, power=3) + across(head, body)"
+    )
+    keys = [term.memo_key for term in terms]
+    assert keys[2] == keys[3]
+    assert len(set(keys)) == 4
+
+
+def test_parameters_come_in_their_declared_types():
+    (term,) = bound("thin(head, count=3, power=2)")
+    assert term.parameters == {"count": 3, "power": 2.0}
+    assert [type(term.parameters[key]) for key in ("count", "power")] == [int, float]
+
+
+@pytest.mark.parametrize(
+    ("text", "takes", "given_count"),
+    [
+        ("thin", "one label or more", "none"),
+        ("thin()", "one label or more", "none"),
+        ("thin(power=2)", "one label or more", "none"),
+        ("across", "exactly 2 labels", "none"),
+        ("across(head)", "exactly 2 labels", "1"),
+        ("across(leg*)", "exactly 2 labels", "3"),
+        ("alike", "2 labels or more", "none"),
+        ("alike(leg1)", "2 labels or more", "1"),
+        ("filled(head)", "no labels", "1"),
+        ("filled(*)", "no labels", "6"),
+    ],
+)
+def test_a_wrong_number_of_labels(text, takes, given_count):
+    name = text.partition("(")[0]
+    message, place = refusal(text)
+    assert message == f"'{name}' takes {takes}, not {given_count} in \"{text}\""
+    assert place == name
+
+
+@pytest.mark.parametrize(
+    ("text", "reason", "advice", "place"),
+    [
+        ("thinn(head)", "unknown objective 'thinn'", "did you mean 'thin'?", "thinn"),
+        ("filled + acros(a, b)", "unknown objective 'acros'", "did you mean 'across'?", "acros"),
+        ("thin(heat)", "unknown label 'heat'", "did you mean 'head'?", "heat"),
+        ("thin(Head)", "unknown label 'Head'", "did you mean 'head'?", "Head"),
+        (
+            "thin(x)",
+            "unknown label 'x'",
+            "known: Leg3, body, head, leg1, leg10, leg2",
+            "x",
+        ),
+        (
+            "head",
+            "'head' is a label, not an objective",
+            "write objective(head)",
+            "head",
+        ),
+        (
+            "thin(head, pover=3)",
+            "'thin': unknown parameter 'pover'",
+            "did you mean 'power'?",
+            "pover",
+        ),
+        (
+            "filled(size=3)",
+            "'filled': unknown parameter 'size'",
+            "known: none",
+            "size",
+        ),
+        (
+            "thin(head, count=2, power=5)",
+            "'thin': parameter 'power' is 5",
+            "allowed is 1 to 4",
+            "power",
+        ),
+    ],
+)
+def test_unknown_names_and_values(text, reason, advice, place):
+    assert refusal(text) == (f'{reason} in "{text}"; {advice}', place)
+
+
+@pytest.mark.parametrize(
+    ("text", "message", "place"),
+    [
+        ("thin(head, count=1.5)", "'thin': parameter 'count' must be whole, not 1.5", "count"),
+        ("tube(head, wall=1)", "'tube': parameter 'radius' is missing", "tube"),
+        ("tube(head)", "'tube': parameter 'radius' is missing", "tube"),
+        ("thin(head, head)", "label 'head' is given twice to 'thin'", "head"),
+        ("thin(leg1, leg*)", "label 'leg1' is given twice to 'thin'", "leg*"),
+        ("thin(leg*, leg2)", "label 'leg2' is given twice to 'thin'", "leg2"),
+        ("thin(*, *)", "label 'head' is given twice to 'thin'", "*"),
+        ("alike(leg1, leg1)", "label 'leg1' is given twice to 'alike'", "leg1"),
+        (
+            "thin(arm*)",
+            "'arm*' matches none of the labels head, body, leg1, leg2, leg10, Leg3",
+            "arm*",
+        ),
+    ],
+)
+def test_other_mistakes(text, message, place):
+    assert refusal(text) == (f'{message} in "{text}"', place)
+
+
+def test_the_caret_is_under_the_repetition():
+    with pytest.raises(ExpressionError) as caught:
+        bound("thin(head, body, head)")
+    assert caught.value.start == 17
+
+
+def test_required_parameters_are_among_the_suggestions():
+    message, place = refusal("tube(head, radus=1, wall=2)")
+    assert place == "radus"
+    assert message.endswith("did you mean 'radius'?")
+
+
+def test_required_parameters_can_be_given_in_any_order():
+    (term,) = bound("tube(head, wall=1, radius=2)")
+    assert term.parameters == {"wall": 1.0, "radius": 2.0}
+
+
+def test_an_expression_made_in_python_is_bound_like_its_text():
+    made = Expression((Term("thin", (Argument("leg*"),), (("power", 3.0),), 2.0),))
+    (term,) = bind(made, LABELS, OWN, Registry(()))
+    assert (term.calls, term.parameters) == (((2,), (3,), (4,)), {"power": 3.0})
+
+
+def test_a_mistake_in_an_expression_made_in_python_quotes_its_text():
+    made = Expression((Term("thin", (Argument("x"),), weight=2.0),))
+    with pytest.raises(ExpressionError, match=r'unknown label \'x\' in "2\*thin\(x\)"'):
+        bind(made, LABELS, OWN, Registry(()))
+
+
+def test_installed_objectives_are_found_by_name_and_by_id(home):
+    registry = installed("basic:slim", "other:slim", "other:wide")
+    (term,) = bound("wide(head)", registry)
+    assert (term.id, term.distribution) == ("other:wide", "moseg-other 1.0")
+    assert term.objective is thin
+    assert bound("basic:slim(head)", registry)[0].id == "basic:slim"
+    assert bound("other : slim(head)", registry)[0].id == "other:slim"
+
+
+def test_objectives_of_the_program_come_first(home):
+    registry = installed("basic:thin")
+    assert bound("thin(head)", registry)[0].id == "python:thin"
+    assert bound("basic:thin(head)", registry)[0].id == "basic:thin"
+
+
+def test_an_ambiguous_name_is_answered_with_the_ids(home):
+    registry = installed("basic:slim", "other:slim")
+    message, place = refusal("3*slim(head)", registry)
+    assert place == "slim"
+    assert message == (
+        "objective 'slim' is ambiguous in \"3*slim(head)\"; say which: basic:slim, other:slim"
+    )
+
+
+def test_an_ambiguous_name_is_ambiguous_also_where_the_program_has_a_similar_one(home):
+    message, _ = refusal("thinn(head)", installed("basic:thinn", "other:thinn"))
+    assert "is ambiguous" in message
+    assert "basic:thinn, other:thinn" in message
+
+
+def test_suggestions_come_from_the_program_and_from_what_is_installed(home):
+    registry = installed("basic:slim")
+    assert refusal("slime(head)", registry)[0].endswith("did you mean 'slim'?")
+    assert refusal("thinn(head)", registry)[0].endswith("did you mean 'thin'?")
+    message, _ = refusal("xyz(head)", registry, ())
+    assert message.startswith("unknown objective 'xyz'")
+
+
+def test_a_suggestion_for_an_id_is_an_id(home):
+    registry = installed("basic:slim", "other:wide")
+    message, place = refusal("basic:slime(head)", registry)
+    assert message.endswith("did you mean 'basic:slim'?")
+    assert place == "basic:slime"
+
+
+def test_an_objective_of_a_bundle_that_is_set_aside_gives_the_reason():
+    broken = Bundle("broken", "moseg-broken", "2.1", "broken", problem="moseg-broken 2.1: it fell")
+    with pytest.raises(
+        PluginError, match=r"'broken:f' is not available.*moseg-broken 2\.1: it fell"
+    ):
+        bound("broken:f(head)", Registry((broken,)))
+
+
+def test_an_unknown_objective_mentions_what_is_set_aside():
+    broken = Bundle("broken", "moseg-broken", "2.1", "broken", problem="moseg-broken 2.1: it fell")
+    message, _ = refusal("f(head)", Registry((broken,)))
+    assert message.endswith("(set aside, see 'moseg plugin list': broken)")
+
+
+def test_something_else_than_an_objective_is_refused_with_its_distribution(home):
+    home.thin = lambda part: 0.0
+    with pytest.raises(PluginError) as caught:
+        bound("basic:slim(head)", installed("basic:slim"))
+    message = str(caught.value)
+    assert "'basic:slim' of moseg-basic 1.0" in message
+    assert "@moseg_core.objective" in message
+    assert "\n" not in message
+
+
+def test_a_target_that_cannot_be_loaded_is_refused_with_its_distribution(home):
+    with pytest.raises(PluginError, match=r"'basic:slim' of moseg-basic 1\.0 cannot be loaded"):
+        bound("slim(head)", installed("basic:slim", target="home_of_objectives:gone"))
+
+
+def test_only_the_objectives_that_are_asked_for_are_loaded(home):
+    both = (*installed("basic:slim").bundles, *installed("bad:x", target="nowhere:f").bundles)
+    assert bound("slim(head)", Registry(both))[0].id == "basic:slim"
+
+
+class Handmade:
+    """An objective without the decorator."""
+
+    traits = thin.traits
+    parameters = ()
+
+    def __call__(self, part: Part) -> float:
+        return 0.5
+
+
+def test_an_objective_is_whatever_answers_the_protocol(home):
+    home.thin = Handmade()
+    assert bound("slim(head)", installed("basic:slim"))[0].objective is home.thin
+
+
+NAMES = st.lists(
+    st.from_regex(r"[a-c]{1,2}[0-9]?", fullmatch=True), min_size=1, max_size=6, unique=True
+)
+
+
+@given(NAMES, st.data())
+def test_arguments_are_matched_as_a_reader_would(labels, data):
+    patterns = data.draw(
+        st.lists(st.from_regex(r"[a-c0-9*]{1,3}", fullmatch=True), min_size=1, max_size=3)
+    )
+    expected: list[int] = []
+    for pattern in patterns:
+        expected += [k for k, label in enumerate(labels) if matches(pattern, label)]
+    complete = all(any(matches(pattern, label) for label in labels) for pattern in patterns)
+    text = f"thin({', '.join(patterns)})"
+    if complete and len(set(expected)) == len(expected):
+        assert bound(text, labels=labels)[0].calls == tuple((k,) for k in expected)
+    else:
+        with pytest.raises(UsageError):
+            bound(text, labels=labels)
+
+
+def matches(pattern: str, label: str) -> bool:
+    """Whether a pattern with stars fits a label, letter by letter."""
+    if not pattern:
+        return not label
+    if pattern[0] == "*":
+        return any(matches(pattern[1:], label[k:]) for k in range(len(label) + 1))
+    return label[:1] == pattern[0] and matches(pattern[1:], label[1:])

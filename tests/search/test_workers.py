@@ -1,0 +1,198 @@
+"""Work in several processes: the same results in the same order, and what can go wrong."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from moseg_core.components.protocols import Progress
+from moseg_core.errors import ExpressionError, MosegError, PluginError, UsageError
+from moseg_core.search.workers import Workers, available_workers, read_workers
+
+
+def silent(progress):
+    return False
+
+
+def square(x, *, report):
+    report(Progress(stage="squares", done=x))
+    return x * x
+
+
+def refuse(x, *, report):
+    if x == 2:
+        raise UsageError("2 is not to my liking")
+    return x
+
+
+@pytest.mark.parametrize("count", [1, 2, 3])
+def test_results_come_in_order(count):
+    with Workers({"square": square}, count, silent) as workers:
+        assert workers.map("square", [(k,) for k in range(7)]) == [k * k for k in range(7)]
+        assert workers.map("square", []) == []
+        assert workers.map("square", [(9,), (8,)]) == [81, 64]
+
+
+def test_work_is_done_elsewhere_but_by_one():
+    def who(*, report):
+        return os.getpid()
+
+    with Workers({"who": who}, 2, silent) as workers:
+        assert os.getpid() not in workers.map("who", [(), ()])
+        assert workers.map("who", [()]) == [os.getpid()]
+    with Workers({"who": who}, 1, silent) as workers:
+        assert workers.map("who", [(), ()]) == [os.getpid()] * 2
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_errors_are_raised_here(count):
+    with (
+        Workers({"refuse": refuse}, count, silent) as workers,
+        pytest.raises(UsageError, match="2 is not to my liking"),
+    ):
+        workers.map("refuse", [(k,) for k in range(4)])
+
+
+def test_errors_that_cannot_be_packed_keep_their_words():
+    def fail(k, *, report):
+        raise ExpressionError("no such thing", "narow(a)", 0, 5)
+
+    with (
+        Workers({"fail": fail}, 2, silent) as workers,
+        pytest.raises(MosegError, match="no such thing"),
+    ):
+        workers.map("fail", [(0,), (1,)])
+
+
+def test_results_that_cannot_be_sent_are_the_components_fault():
+    def secret(k, *, report):
+        return lambda: k
+
+    with (
+        Workers({"secret": secret}, 2, silent) as workers,
+        pytest.raises(PluginError, match=r"cannot be sent between processes .*use one worker"),
+    ):
+        workers.map("secret", [(0,), (1,)])
+
+
+def test_a_process_that_dies_is_noticed():
+    def die(k, *, report):
+        os.kill(os.getpid(), signal.SIGKILL)
+
+    with (
+        Workers({"die": die}, 2, silent) as workers,
+        pytest.raises(MosegError, match=r"ended early \(signal 9\)"),
+    ):
+        workers.map("die", [(0,), (1,)])
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_asked_to_stop_all_do_and_nothing_new_begins(count):
+    seen = []
+
+    def patient(k, *, report):
+        while not report(Progress(stage="waiting", done=k)):
+            time.sleep(0.001)
+        return k
+
+    def stop(progress):
+        seen.append(progress.done)
+        return len(seen) >= 3
+
+    with Workers({"patient": patient}, count, stop) as workers:
+        assert workers.map("patient", [(k,) for k in range(6)]) == list(range(count))
+        assert workers.map("patient", [(k,) for k in range(6)]) == []
+
+
+def test_one_silent_task_does_not_keep_the_others_from_stopping():
+    def uneven(k, *, report):
+        if k == 0:
+            time.sleep(0.5)
+            return "silent"
+        for _ in range(2000):
+            if report(Progress(stage="talking", done=k)):
+                return "stopped"
+            time.sleep(0.001)
+        return "went on"
+
+    with Workers({"uneven": uneven}, 2, lambda progress: True) as workers:
+        assert workers.map("uneven", [(0,), (1,)]) == ["silent", "stopped"]
+
+
+def test_an_idle_process_that_dies_is_noticed_too():
+    def who(*, report):
+        return os.getpid()
+
+    with Workers({"who": who}, 2, silent) as workers:
+        for process in set(workers.map("who", [()] * 4)):
+            os.kill(process, signal.SIGKILL)
+        time.sleep(0.2)
+        with pytest.raises(MosegError, match=r"ended early \(signal 9\)"):
+            workers.map("who", [(), ()])
+
+
+def test_processes_end_even_if_this_one_does_not_when_told_to():
+    before = signal.signal(signal.SIGTERM, lambda number, frame: None)
+    try:
+        with (
+            Workers({"refuse": refuse}, 2, silent) as workers,
+            pytest.raises(UsageError, match="2 is not to my liking"),
+        ):
+            workers.map("refuse", [(2,), (3,)])
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+def test_processes_do_not_outlive_the_one_that_made_them(tmp_path):
+    script = tmp_path / "orphans.py"
+    script.write_text(
+        "import os, signal\n"
+        "from moseg_core.search.workers import Workers\n"
+        "pool = Workers({'who': lambda report: os.getpid()}, 2, lambda progress: False)\n"
+        "print(*set(pool.map('who', [()] * 6)), flush=True)\n"
+        "os.kill(os.getpid(), signal.SIGKILL)\n"
+    )
+    done = subprocess.run([sys.executable, str(script)], capture_output=True, text=True)
+    assert done.returncode == -signal.SIGKILL
+    left = {int(word) for word in done.stdout.split()}
+    assert left
+    for _ in range(500):
+        left = {process for process in left if _runs(process)}
+        if not left:
+            break
+        time.sleep(0.01)
+    assert not left
+
+
+def _runs(process):
+    try:
+        return (Path("/proc") / str(process) / "stat").read_text().split()[2] != "Z"
+    except FileNotFoundError:
+        return False
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_enough_is_enough(count):
+    def quick(k, *, report):
+        while k == 1 and not report(Progress(stage="waiting", done=k)):
+            time.sleep(0.001)
+        return k
+
+    with Workers({"quick": quick}, count, silent) as workers:
+        found = workers.map("quick", [(k,) for k in range(6)], enough=lambda k, result: k == 0)
+        assert found == list(range(count))
+        assert workers.map("quick", [(2,), (3,)]) == [2, 3]  # only that was enough
+
+
+def test_numbers_of_workers():
+    assert available_workers() >= 1
+    assert read_workers(3) == 3
+    for wrong in (0, -1, True, 2.0, "2"):
+        with pytest.raises(UsageError, match=r"workers must be|at least one worker"):
+            read_workers(wrong)

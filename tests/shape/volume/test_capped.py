@@ -1,0 +1,86 @@
+"""Volumes of open surfaces: caps over loops of any outline, loops that touch, and orientation."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.sparse.csgraph import connected_components
+
+from moseg_core.shape.mesh import PolygonMesh
+from moseg_core.shape.volume.capped import _blocks, capped_volume
+from tests.shapes import cube, cube_without_lid, disc, moved, rotation, subdivided, tee, two_boxes
+
+
+def volume(mesh):
+    made = PolygonMesh.from_faces(*mesh)
+    return capped_volume(made.vertices, made.triangles)
+
+
+@pytest.mark.parametrize(
+    ("mesh", "expected"), [(cube(), 1.0), (tee(6, 5), 11.0), (two_boxes(), 4.0)]
+)
+def test_a_closed_surface_encloses_what_it_encloses(mesh, expected):
+    assert volume(mesh) == pytest.approx(expected, rel=1e-12)
+
+
+def test_a_plane_cut_is_closed_by_its_lid():
+    assert volume(cube_without_lid()) == pytest.approx(1.0, rel=1e-12)
+
+
+@pytest.mark.parametrize("level", [1, 3, 5])
+def test_a_cut_across_the_stem_of_a_tee(level):
+    vertices, faces = tee(6, 5)
+    low = [face for face in faces if vertices[list(face), 2].max() <= level]
+    high = [face for face in faces if vertices[list(face), 2].min() >= level]
+    assert len(low) + len(high) == len(faces)
+    assert volume((vertices, low)) == pytest.approx(level, rel=1e-12)
+    assert volume((vertices, high)) == pytest.approx(11 - level, rel=1e-12)
+
+
+def test_a_surface_in_a_plane_encloses_nothing():
+    assert volume(disc()) == pytest.approx(0.0, abs=1e-12)
+
+
+@given(seed=st.integers(0, 2**16), scale=st.floats(0.1, 10.0))
+@settings(max_examples=20, deadline=None)
+def test_neither_motions_nor_the_tessellation_matter(seed, scale):
+    mesh = cube_without_lid()
+    turned = moved(subdivided(mesh, seed), rotation(seed), scale, [1.0, -2.0, 0.5])
+    assert volume(turned) == pytest.approx(scale**3, rel=1e-9)
+
+
+def test_faces_all_the_other_way_round():
+    vertices, faces = cube_without_lid()
+    assert volume((vertices, [face[::-1] for face in faces])) == pytest.approx(1.0, rel=1e-12)
+
+
+def reference_blocks(edges):
+    """Two edges are in one block where they stay connected without any single vertex."""
+    n = len(edges)
+    together = np.ones((n, n), bool)
+    for v in np.unique(edges):
+        touch = np.eye(n, dtype=bool)
+        for i in range(n):
+            for j in range(n):
+                touch[i, j] |= bool(set(edges[i]) & set(edges[j]) - {v})
+        _, component = connected_components(touch, directed=False)
+        together &= component[:, None] == component
+    return together
+
+
+@given(data=st.data())
+@settings(max_examples=60, deadline=None)
+def test_blocks_by_their_definition(data):
+    vertex = st.integers(0, 7)
+    pairs = st.tuples(vertex, vertex).filter(lambda e: e[0] < e[1])
+    edges = np.array(data.draw(st.lists(pairs, min_size=1, max_size=12, unique=True)))
+    block = _blocks(edges)
+    assert sorted(set(block)) == list(range(block.max() + 1))
+    np.testing.assert_array_equal(block[:, None] == block, reference_blocks(edges.tolist()))
+
+
+def test_blocks_of_a_long_loop():
+    k = np.arange(20_000)
+    assert (_blocks(np.stack([k, np.roll(k, -1)], axis=1)) == 0).all()

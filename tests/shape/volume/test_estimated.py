@@ -1,0 +1,105 @@
+"""Estimated volumes against the true ones of known shapes."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import trimesh
+
+from moseg_core.errors import ShapeError, UsageError
+from moseg_core.io import load
+from moseg_core.samples import sample_path
+from moseg_core.shape.shape import Shape
+from tests import shapes
+
+
+def trimesh_of(shape):
+    return trimesh.Trimesh(shape.geometry.vertices, shape.geometry.triangles, process=False)
+
+
+def shrunk(shape, factor):
+    """The triangles of a shape, each smaller than its place: a soup."""
+    corners = shape.geometry.vertices[shape.geometry.triangles]
+    middle = corners.mean(axis=1, keepdims=True)
+    soup = (middle + factor * (corners - middle)).reshape(-1, 3)
+    return Shape.from_mesh(soup, np.arange(len(soup)).reshape(-1, 3))
+
+
+@pytest.fixture(scope="module", params=["hammer", "horse", "torus"])
+def known(request):
+    if request.param == "torus":
+        return Shape.from_mesh(trimesh.creation.torus(1.0, 0.3))
+    return load(sample_path(request.param))
+
+
+def test_winding_of_a_closed_mesh(known):
+    assert known.with_volume("winding").volume == pytest.approx(known.volume, rel=0.001)
+
+
+def test_winding_of_a_soup(known):
+    soup = shrunk(known, 0.9)
+    assert soup.volume is None
+    assert soup.with_volume("winding").volume == pytest.approx(known.volume, rel=0.003)
+
+
+@pytest.mark.parametrize(("n", "error"), [(2000, 0.03), (8000, 0.015)])
+def test_winding_of_a_cloud_with_normals(known, n, error):
+    mesh = trimesh_of(known)
+    points, face = trimesh.sample.sample_surface(mesh, n, seed=1)
+    cloud = Shape.from_points(points, normals=mesh.face_normals[face])
+    assert cloud.with_volume("winding").volume == pytest.approx(known.volume, rel=error)
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_winding_whichever_way_the_whole_is_oriented(turned):
+    vertices, faces = shapes.moved(shapes.cube(), shapes.rotation(3), 1e-3, (5, 6, 7))
+    faces = [face[::-1] if turned else face for face in faces]
+    cube = Shape.from_mesh(vertices, faces[:-1])  # without its lid
+    volume = cube.with_volume("winding").volume
+    assert volume == pytest.approx(1e-9, rel=0.005)  # a membrane over the rim closes it
+
+
+def test_winding_of_many_triangles_takes_seconds():
+    ball = trimesh.creation.icosphere(subdivisions=6)
+    assert len(ball.faces) > 60_000
+    shape = Shape.from_mesh(ball).with_volume("winding")
+    assert shape.volume == pytest.approx(ball.volume, rel=0.001)
+
+
+def test_what_is_recorded():
+    made = Shape.from_points(shapes.cube()[0])
+    assert "encloses no volume: it is a point cloud" in made.notes
+    given = made.with_volume("2.5")
+    assert (given.volume, given.volume_reason) == (2.5, "")
+    assert given.notes == ("the enclosed volume is taken to be 2.5, as given",)
+    assert given.key != made.key
+    assert made.with_volume(2.5).key == given.key
+    hull = made.with_volume("hull")
+    assert hull.volume == pytest.approx(1.0)
+    assert hull.notes == ("the enclosed volume is taken to be 1, that of its convex hull",)
+
+
+@pytest.mark.parametrize("volume", ["hul", "", 0, -1.0, "nan", float("inf"), None, True])
+def test_volumes_that_are_none(volume):
+    with pytest.raises(UsageError, match="positive number in model units cubed, 'hull' or 'wind"):
+        Shape.from_points(np.eye(3)).with_volume(volume)
+
+
+@pytest.mark.parametrize(
+    ("made", "how", "message"),
+    [
+        (Shape.from_points(np.eye(3)), "hull", "is flat"),
+        (Shape.from_points(shapes.rectangle(nx=9, ny=4)[0]), "hull", "is flat"),
+        (Shape.from_mesh(*shapes.rectangle()), "winding", "is flat"),
+        (Shape.from_points(shapes.cube()[0]), "winding", "no normals"),
+        (
+            Shape.from_mesh(*shapes.joined(shapes.rectangle(), shapes.moved(
+                shapes.rectangle(), np.eye(3), 1.0, (0, 0, 9)))),
+            "winding",
+            "no place",
+        ),
+    ],
+)  # fmt: skip
+def test_shapes_without_a_volume_to_estimate(made, how, message):
+    with pytest.raises(ShapeError, match=message):
+        made.with_volume(how)
