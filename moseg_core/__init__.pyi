@@ -55,3 +55,5 @@ from moseg_core.shape.shape import Shape as Shape
 from moseg_core.shape.volume.capped import capped_volume as capped_volume
 
 __version__: str
+from moseg_core.problem.settings import SearchOptions as SearchOptions
+from moseg_core.problem.statement import Statement as Statement

@@ -169,8 +169,8 @@ def _asked(case: Case) -> dict[str, Any]:
         "data": _digest(case.model),
         "labels": list(case.recipe.labels) if case.recipe else [],
         "minimize": case.recipe.minimize if case.recipe else "",
-        "method": repr(case.recipe.method) if case.recipe else "",
-        "parts": repr(case.recipe.parts) if case.recipe else "",
+        "method": repr(case.recipe.statement.search) if case.recipe else "",
+        "parts": repr(case.recipe.statement.parts) if case.recipe else "",
         "rename": dict(case.naming.rename),
         "merge": dict(case.naming.merge),
     }

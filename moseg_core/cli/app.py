@@ -7,6 +7,15 @@ from typing import Annotated, Literal
 
 from cyclopts import App, Parameter
 
+from moseg_core.cli.flags import (
+    Flag,
+    ProblemFlags,
+    Repeated,
+    SearchedProblemFlags,
+    SearchFlags,
+    ShapeFlags,
+    SteeringFlags,
+)
 from moseg_core.cli.plugin_app import plugin_app
 from moseg_core.components.discovery.contract import VERSION
 
@@ -29,10 +38,11 @@ Outputs = Annotated[
         help="File to write; json, seg, ply, npz, npy, glb, png or svg by suffix. Repeatable.",
     ),
 ]
-Repeated = Annotated[list[str] | None, Parameter(negative=())]
-Flag = Annotated[bool, Parameter(negative=())]
-Nearness = Literal["auto", "knn", "none"]
-Cells = Literal["solid", "surface"]
+_NO_PROBLEM = ProblemFlags()
+_NO_SEARCHED_PROBLEM = SearchedProblemFlags()
+_SHAPE_AS_READ = ShapeFlags()
+_DEFAULT_SEARCH = SearchFlags()
+_NO_STEERING = SteeringFlags()
 
 
 @app.command
@@ -40,30 +50,10 @@ def segment(
     shape: Path,
     /,
     *,
-    recipe: str | None = None,
-    labels: str | None = None,
-    minimize: str | None = None,
-    constraint: Repeated = None,
-    plane: str | None = None,
-    embedding: str | None = None,
-    space: str | None = None,
-    adjacency: Nearness = "auto",
-    volume: str | None = None,
-    voxels: Cells = "solid",
-    seeder: str | None = None,
-    labeler: str | None = None,
-    optimizer: str | None = None,
-    centers: str | None = None,
-    start: Path | None = None,
-    pin: Repeated = None,
-    freeze: str | None = None,
-    restarts: int | None = None,
-    finalists: int | None = None,
-    resolution: str | None = None,
-    settings: Literal["default", "paper"] = "default",
-    seed: int = 0,
-    max_seconds: float | None = None,
-    workers: int | None = None,
+    problem: SearchedProblemFlags = _NO_SEARCHED_PROBLEM,
+    reading: ShapeFlags = _SHAPE_AS_READ,
+    search: SearchFlags = _DEFAULT_SEARCH,
+    steering: SteeringFlags = _NO_STEERING,
     clip: Flag = False,
     out: Outputs = None,
     json: Flag = False,
@@ -82,56 +72,6 @@ def segment(
     ----------
     shape
         A mesh (OFF, PLY, OBJ, STL, GLB), point cloud (PLY, XYZ, CSV) or voxel grid (NPY, BINVOX).
-    recipe
-        Name of an installed recipe, or path of a TOML file.
-    labels
-        Names of the parts, separated by commas; instead of the recipe's.
-    minimize
-        What to minimise, such as "3*narrow(handle) + convex_parts"; instead of the recipe's.
-    constraint
-        What centres must obey: "mirror(leg2, leg1)", "on_plane(body)"; instead of the recipe's.
-        Repeatable; "none" leaves the recipe's out.
-    plane
-        The plane of symmetry: auto, x, y or z, or px,py,pz,nx,ny,nz (a point and the normal).
-    embedding
-        Unfold the shape first and find the partition there: mds; "none" leaves the recipe's out.
-    space
-        Where terms are evaluated that do not say (narrow(arm) @ mds): original, or the embedding.
-    adjacency
-        Which elements touch: what the shape knows of it, the nearest as well, or none.
-    volume
-        Estimate the enclosed volume: a number, "hull" or "winding".
-    voxels
-        Whether all cells of a voxel grid are elements, or only those of its surface.
-    seeder
-        How centres are first placed: a name, or name(key=number).
-    labeler
-        How labels are assigned to centres.
-    optimizer
-        How centres are refined, such as "pattern_search(max_evaluations=2000)".
-    centers
-        Place the centres by hand: label=x,y,z,label=x,y,z; the same as the seeder "given".
-    start
-        Go on from an earlier result (.json), also under another --minimize.
-    pin
-        Elements (faces, points or cells, counted from 0) that must bear a label: head=120,121.
-        Repeatable.
-    freeze
-        Labels, separated by commas, whose centres stay where they start.
-    restarts
-        Number of starts; the best result is kept. They share limits on evaluations and seconds.
-    finalists
-        How many of the starts, the best after a while, go on to the end.
-    resolution
-        Number of super-elements to search on, or "full"; the result is always exact.
-    settings
-        "paper" for the paper's parameters, one start, full resolution.
-    seed
-        Seed of the random generator.
-    max_seconds
-        End the search after about this time; the result then depends on the machine.
-    workers
-        Number of processes; as many as there are processors by default. The result is the same.
     clip
         Cut the faces at boundaries, so that these are smooth, in .ply, .glb and .png.
     json
@@ -139,35 +79,14 @@ def segment(
     quiet
         Print no messages, progress or tables.
     """
-    from moseg_core.cli.request import Asked
     from moseg_core.cli.segment import run_segment
 
     run_segment(
         shape,
-        asked=Asked(
-            recipe=recipe,
-            labels=labels,
-            minimize=minimize,
-            constraints=constraint or [],
-            plane=plane,
-            embedding=embedding,
-            space=space,
-        ),
-        adjacency=adjacency,
-        volume=volume,
-        voxels=voxels,
-        choices={"seeder": seeder, "labeler": labeler, "optimizer": optimizer},
-        centers=centers,
-        start=start,
-        pins=pin or [],
-        freeze=freeze,
-        restarts=restarts,
-        finalists=finalists,
-        resolution=resolution,
-        settings=settings,
-        seed=seed,
-        max_seconds=max_seconds,
-        workers=workers,
+        problem_flags=problem,
+        reading=reading,
+        search=search,
+        steering=steering,
         clipped=clip,
         outputs=out or [],
         as_json=json,
@@ -180,15 +99,9 @@ def explain(
     source: Path,
     /,
     *,
-    recipe: str | None = None,
-    labels: str | None = None,
-    minimize: str | None = None,
-    embedding: str | None = None,
-    space: str | None = None,
+    problem: ProblemFlags = _NO_PROBLEM,
     parts: Path | None = None,
-    adjacency: Nearness = "auto",
-    volume: str | None = None,
-    voxels: Cells = "solid",
+    reading: ShapeFlags = _SHAPE_AS_READ,
     json: Flag = False,
 ) -> None:
     """Show what a segmentation costs, by term and part.
@@ -203,41 +116,15 @@ def explain(
     ----------
     source
         A result (.json), or a shape together with --parts.
-    recipe
-        Recipe under which to evaluate.
-    labels
-        Names of the parts, separated by commas; instead of the recipe's.
-    minimize
-        What to minimise; instead of the recipe's.
-    embedding
-        A deformation in which terms can be evaluated, such as mds; instead of the recipe's.
-    space
-        Where terms are evaluated that do not say: original, or the embedding.
     parts
         Labelling to evaluate: .seg (numbers in the order of the labels), .txt, .json, .ply, .npz
         or .npy.
-    adjacency
-        Which elements touch: what the shape knows of it, the nearest as well, or none.
-    volume
-        Estimate the enclosed volume: a number, "hull" or "winding".
-    voxels
-        Whether all cells of a voxel grid are elements, or only those of its surface.
     json
         Print JSON instead of a table.
     """
     from moseg_core.cli.explain import run_explain
-    from moseg_core.cli.request import Asked
 
-    asked = Asked(recipe=recipe, labels=labels, minimize=minimize, embedding=embedding, space=space)
-    run_explain(
-        source,
-        asked=asked,
-        parts=parts,
-        adjacency=adjacency,
-        volume=volume,
-        voxels=voxels,
-        as_json=json,
-    )
+    run_explain(source, problem_flags=problem, parts=parts, reading=reading, as_json=json)
 
 
 @app.command
@@ -246,7 +133,7 @@ def evaluate(
     result: Path,
     /,
     *truths: Path,
-    voxels: Cells = "solid",
+    voxels: Literal["solid", "surface"] = "solid",
     rename: str | None = None,
     json: Flag = False,
 ) -> None:

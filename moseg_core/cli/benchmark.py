@@ -16,9 +16,9 @@ from moseg_core.bench.tables import Printed, all_tables, failures
 from moseg_core.cli.console import console, message
 from moseg_core.errors import UsageError
 from moseg_core.problem.recipe import Recipe, load_recipe
-from moseg_core.problem.settings import Method, settled
+from moseg_core.problem.settings import SearchOptions
 from moseg_core.search.levels import check_hierarchy
-from moseg_core.search.workers import available_workers, read_workers
+from moseg_core.search.workers import available_workers
 
 _USUAL = ("Fourleg=horse",)
 
@@ -46,14 +46,14 @@ def run_psb(
             )
     names = [name.strip() for name in settings.split(",")]
     for name in names:
-        settled(Method(), name)
+        SearchOptions(settings=name)
     request = Request(
         models=find_models(data, chosen),
         recipes=given,
         settings=list(dict.fromkeys(names)),
         seeds=read_seeds(seeds),
     )
-    processes = available_workers() if workers is None else read_workers(workers)
+    processes = available_workers() if workers is None else SearchOptions(workers=workers).workers
     if out.exists() and not out.is_dir():
         raise UsageError(f"'{out}' is a file; the report needs a folder")
     if not out.parent.is_dir():
@@ -95,7 +95,7 @@ def read_recipes(words: Sequence[str]) -> dict[str, Recipe]:
                 f"'--recipe-for {word}' is not understood; write --recipe-for Fourleg=horse"
             )
         recipe = load_recipe(name.strip())
-        check_hierarchy(recipe.hierarchy(), {})
+        check_hierarchy(recipe.hierarchy(), SearchOptions())
         category = check_category(category)
         if category in found:
             raise UsageError(f"--recipe-for gives two recipes for {category}")

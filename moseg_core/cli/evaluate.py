@@ -11,13 +11,14 @@ import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, fields
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from rich.table import Table
 
 from moseg_core.agreement import Agreement, Confusion, EdgeGraph, compare, confusion, fold, renamed
 from moseg_core.cli.console import console, message, print_json
+from moseg_core.cli.flags import ShapeFlags
 from moseg_core.cli.reading import read_shape
 from moseg_core.errors import UsageError, nearest
 from moseg_core.io import Labelling, read_labels
@@ -45,7 +46,7 @@ def run_evaluate(
     result: Path,
     truths: Sequence[Path],
     *,
-    voxels: str,
+    voxels: Literal["solid", "surface"],
     rename: str | None,
     as_json: bool,
 ) -> None:
@@ -53,7 +54,7 @@ def run_evaluate(
     if not truths:
         raise UsageError("evaluate takes a shape, a result and at least one true labelling")
     translation = read_rename(rename)
-    shape = read_shape(path, voxels=voxels)
+    shape = read_shape(path, ShapeFlags(voxels=voxels))
     found = read_labels(result, shape.n_elements)
     if translation and found.names is None:
         raise UsageError(f"{result.name} has no names of labels that --rename could replace")

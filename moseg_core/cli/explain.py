@@ -8,8 +8,9 @@ from pathlib import Path
 import numpy as np
 
 from moseg_core.cli.console import console, message, print_json, terms_table
+from moseg_core.cli.flags import ProblemFlags, ShapeFlags
 from moseg_core.cli.reading import read_shape
-from moseg_core.cli.request import Asked, read_task
+from moseg_core.cli.request import read_task
 from moseg_core.components.segmentation import Segmentation
 from moseg_core.errors import UsageError, unknown
 from moseg_core.io import Labelling, read_labels, read_result
@@ -21,16 +22,14 @@ from moseg_core.types import IntArray
 def run_explain(
     source: Path,
     *,
-    asked: Asked,
+    problem_flags: ProblemFlags,
     parts: Path | None,
-    voxels: str,
-    adjacency: str,
-    volume: str | None,
+    reading: ShapeFlags,
     as_json: bool,
 ) -> None:
     """Explain a saved result, or evaluate a labelling of a shape."""
     if source.suffix.lower() == ".json" and parts is None:
-        if asked.anything:
+        if problem_flags.anything:
             raise UsageError(
                 f"'{source}' is a result and brings its own problem; to evaluate its labels under"
                 f" another one, give the mesh and --parts {source}"
@@ -40,8 +39,8 @@ def run_explain(
     else:
         if parts is None:
             raise UsageError(f"'{source}' is a shape: give the labelling to explain with --parts")
-        problem = read_task(asked)
-        shape = read_shape(source, voxels=voxels, adjacency=adjacency, volume=volume)
+        problem = read_task(problem_flags)
+        shape = read_shape(source, reading)
         labelling = read_labels(parts, shape.n_elements)
         if labelling.names is not None:
             problem = problem.fitted(labelling.names)

@@ -66,5 +66,5 @@ def _document(component: Component, recipe: Recipe | None, problem: str | None) 
         "description": recipe.description if recipe else None,
         "labels": list(recipe.labels) if recipe else None,
         "minimize": recipe.minimize if recipe else None,
-        "parts": [label for label, _ in recipe.parts] if recipe else None,
+        "parts": [label for label, _ in recipe.statement.parts] if recipe else None,
     }

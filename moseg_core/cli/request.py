@@ -1,54 +1,36 @@
-"""From options to a problem: the recipe or an earlier result, and what replaces parts of it."""
+"""From options to a statement of a problem and to search options.
+
+The recipe or an earlier result gives the statement, and options replace parts of it
+(:func:`read_statement`); :func:`read_task` looks its names up.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import fields, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from moseg_core.cli.flags import ProblemFlags, SearchedProblemFlags, SearchFlags, SteeringFlags
 from moseg_core.components.chosen import Choice
 from moseg_core.components.discovery.registry import registry
 from moseg_core.errors import UsageError
 from moseg_core.io.result_json import SavedResult, read_result
 from moseg_core.problem.hierarchy import Hierarchy
-from moseg_core.problem.problem import Problem
 from moseg_core.problem.recipe import load_recipe, said_in_full
-from moseg_core.problem.settings import Method
+from moseg_core.problem.settings import SearchOptions
+from moseg_core.problem.statement import Statement
+from moseg_core.search.workers import available_workers
 
 
-@dataclass(frozen=True, kw_only=True)
-class Asked:
-    """The options that say what to look for, as given on the command line.
-
-    Parameters
-    ----------
-    recipe, labels, minimize, plane, embedding, space : str or None
-    constraints : sequence of str
-        The word "none" alone leaves out the recipe's, as it does for the embedding.
-    """
-
-    recipe: str | None = None
-    labels: str | None = None
-    minimize: str | None = None
-    constraints: Sequence[str] = ()
-    plane: str | None = None
-    embedding: str | None = None
-    space: str | None = None
-
-    @property
-    def anything(self) -> bool:
-        """Whether any option was given."""
-        return any(getattr(self, field.name) for field in fields(self))
-
-
-def read_task(asked: Asked, *, start: SavedResult | None = None) -> Hierarchy:
-    """The problem that the options ask for, its method, and those of its parts.
+def read_task(flags: ProblemFlags, *, start: SavedResult | None = None) -> Hierarchy:
+    """The problem that the options ask for, how it is searched, and the same for its parts.
 
     Parameters
     ----------
-    asked : Asked
+    flags : ProblemFlags
     start : SavedResult or None
         A result to go on from, whose own problem stands in where no recipe is given.
 
@@ -63,53 +45,74 @@ def read_task(asked: Asked, *, start: SavedResult | None = None) -> Hierarchy:
     UsageError
         Nothing says what the labels or the expression are, or anything is wrong in them.
     """
-    method = Method()
-    parts: dict[str, Hierarchy] = {}
-    names: Sequence[str] | None = None
-    expression: str | None = None
-    constraints: Sequence[str] = ()
-    plane = space = None
-    embedding: Choice | str | None = None
-    if asked.recipe is not None:
-        found = load_recipe(asked.recipe)
-        names, expression, method = found.labels, found.minimize, found.method
-        constraints, plane = found.constraints, found.plane
-        embedding, space = found.embedding, found.space
-        parts = {label: part.hierarchy() for label, part in found.parts}
+    task = Hierarchy.of(read_statement(flags, start=start))
+    plane = getattr(flags, "plane", None)
+    if plane is not None and not any("plane" in rule.parameters for rule in task.problem.rules):
+        raise UsageError(
+            f"--plane {plane} is given, but no constraint needs a plane; add one, such as"
+            f" --constraint 'on_plane({task.problem.labels[0]})'"
+        )
+    return task
+
+
+def read_statement(flags: ProblemFlags, *, start: SavedResult | None = None) -> Statement:
+    """What is asked for: the recipe's or the start's statement, with what replaces parts of it.
+
+    Raises
+    ------
+    UsageError
+        As for :func:`read_task`, names apart, which are not looked up here.
+    """
+    base = None
+    if flags.recipe is not None:
+        base = load_recipe(flags.recipe).statement
     elif start is not None:
         meant = {_name(term.text): term.objective for term in start.evaluation.terms}
-        names, expression = start.names, said_in_full(start.minimize, meant.get, registry())
-        constraints, plane = start.constraints, start.plane
-        embedding, space = start.embedding, start.space
-    if asked.labels is not None:
-        names = [name.strip() for name in asked.labels.split(",")]
-    if asked.minimize is not None:
-        expression = asked.minimize
-    if asked.constraints:
-        constraints = () if list(asked.constraints) == ["none"] else asked.constraints
-    if asked.embedding is not None:
-        if asked.embedding == "none":
-            embedding = space = None
-        else:
-            embedding = asked.embedding
-    if names is None or expression is None:
+        full = said_in_full(start.statement.minimize, meant.get, registry())
+        base = replace(start.statement, minimize=full)
+    changes: dict[str, Any] = {}
+    if flags.labels is not None:
+        changes["labels"] = tuple(name.strip() for name in flags.labels.split(","))
+    if flags.minimize is not None:
+        changes["minimize"] = flags.minimize
+    if flags.embedding == "none":
+        changes |= {"embedding": None, "space": None}
+    elif flags.embedding is not None:
+        changes["embedding"] = Choice.read(flags.embedding, "embedding")
+    if flags.space is not None:
+        changes["space"] = flags.space
+    if isinstance(flags, SearchedProblemFlags):
+        if flags.constraint:
+            none = flags.constraint == ["none"]
+            changes["constraints"] = () if none else tuple(flags.constraint)
+        if flags.plane is not None:
+            changes["plane"] = flags.plane
+    if base is not None:
+        return replace(base, **changes)
+    if flags.labels is None or flags.minimize is None:
         raise UsageError(
             "say what to look for: --recipe NAME, or --labels a,b and --minimize '...'"
         )
-    problem = Problem(
-        names,
-        expression,
-        constraints=constraints,
-        plane=plane if asked.plane is None else asked.plane,
-        embedding=embedding,
-        space=space if asked.space is None else asked.space,
-    )
-    if asked.plane is not None and not any("plane" in rule.parameters for rule in problem.rules):
-        raise UsageError(
-            f"--plane {asked.plane} is given, but no constraint needs a plane; add one, such as"
-            f" --constraint 'on_plane({problem.labels[0]})'"
-        )
-    return Hierarchy(problem, parts, method)
+    return Statement(**changes)
+
+
+def read_search(flags: SearchFlags, steering: SteeringFlags) -> SearchOptions:
+    """The search options; centres given by hand are a seeder.
+
+    Raises
+    ------
+    UsageError
+        A value that makes no sense, or another seeder beside given centres.
+    """
+    values: Any = {field.name: getattr(flags, field.name) for field in fields(flags)}
+    if flags.workers is None:
+        values["workers"] = available_workers()
+    options = SearchOptions(**values)
+    if steering.centers is None:
+        return options
+    if isinstance(options.seeder, Choice) and options.seeder.name not in ("given", "core:given"):
+        raise UsageError(f"--centers goes with the seeder 'given', not '{options.seeder.name}'")
+    return replace(options, seeder=Choice("given", {"centers": steering.centers}))
 
 
 def _name(text: str) -> str:
@@ -126,7 +129,7 @@ def read_start(path: Path | None) -> SavedResult | None:
         It cannot be read, or it is one of several levels.
     """
     found = None if path is None else read_result(path)
-    if found is not None and found.levels:
+    if found is not None and found.statement.parts:
         raise UsageError(
             f"'{path}' is a result of several levels, whose centres belong to different"
             " partitions; start from a result of one level"

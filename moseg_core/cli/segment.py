@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -13,22 +12,20 @@ import numpy as np
 from rich.table import Table
 
 from moseg_core.cli.console import console, message, print_json, progress_reporter, terms_table
+from moseg_core.cli.flags import SearchedProblemFlags, SearchFlags, ShapeFlags, SteeringFlags
 from moseg_core.cli.interrupt import stop_on_interrupt
 from moseg_core.cli.reading import read_shape
-from moseg_core.cli.request import Asked, read_pins, read_start, read_task
+from moseg_core.cli.request import read_pins, read_search, read_start, read_task
 from moseg_core.clipping.clip import check_clippable
-from moseg_core.components.chosen import Choice
 from moseg_core.errors import MosegError, UsageError
 from moseg_core.io.files import check_output, save
 from moseg_core.io.result_json import evaluation_document
 from moseg_core.io.write.formats import check_writable
-from moseg_core.problem.settings import read_resolution
 from moseg_core.problem.slow_calls import naming_slow_calls
 from moseg_core.search.clipped_result import check_parameterization, clip
-from moseg_core.search.levels import check_hierarchy, segment_hierarchy
+from moseg_core.search.levels import check_hierarchy, solve_hierarchy
 from moseg_core.search.result import Result
-from moseg_core.search.segment import check_frozen, check_limits, matched_centers, prepare_method
-from moseg_core.search.workers import available_workers, read_workers
+from moseg_core.search.segment import check_frozen, matched_centers, prepare_components
 
 #: Seconds after which an objective that has not answered is named.
 PATIENCE = 10.0
@@ -37,22 +34,10 @@ PATIENCE = 10.0
 def run_segment(
     path: Path,
     *,
-    asked: Asked,
-    voxels: str,
-    adjacency: str,
-    volume: str | None,
-    choices: Mapping[str, str | None],
-    centers: str | None,
-    start: Path | None,
-    pins: Sequence[str],
-    freeze: str | None,
-    restarts: int | None,
-    finalists: int | None,
-    resolution: str | None,
-    settings: str,
-    seed: int,
-    max_seconds: float | None,
-    workers: int | None,
+    problem_flags: SearchedProblemFlags,
+    reading: ShapeFlags,
+    search: SearchFlags,
+    steering: SteeringFlags,
     clipped: bool,
     outputs: list[Path],
     as_json: bool,
@@ -62,37 +47,33 @@ def run_segment(
 
     Where the search fails, and files were asked for, these receive the best that it had found.
     """
-    earlier = read_start(start)
-    task = read_task(asked, start=earlier)
+    if steering.start is not None and steering.centers is not None:
+        raise UsageError("--start and --centers both say where to begin; give one of them")
+    earlier = read_start(steering.start)
+    task = read_task(problem_flags, start=earlier)
     problem = task.problem
-    chosen = _read_choices(choices, centers)
-    check_hierarchy(task, {**chosen, "settings": settings, "resolution": resolution})
+    options = read_search(search, steering)
+    check_hierarchy(task, options)
     if clipped:
-        ready = prepare_method(problem, task.method, chosen)
+        ready = prepare_components(problem, options.settled(task.search))
         check_parameterization(ready["parameterization"].component.id)
         if task.children:
             raise UsageError("boundaries can be clipped for results of one level only, so far")
-    if resolution is not None:
-        read_resolution(resolution)
-    begin = None
+    start_centers = None
     if earlier is not None:
-        begin = matched_centers(
-            earlier.names, earlier.centers, problem, embedding=earlier.embedding
+        start_centers = matched_centers(
+            earlier.names, earlier.centers, problem, embedding=earlier.statement.embedding
         )
-    pinned = read_pins(pins)
-    check_limits(seed, max_seconds)
-    processes = available_workers() if workers is None else read_workers(workers)
-    frozen = [name.strip() for name in freeze.split(",")] if freeze else []
+    pinned = read_pins(steering.pin or [])
+    frozen = [name.strip() for name in steering.freeze.split(",")] if steering.freeze else []
     check_frozen(problem, frozen)
-    if start is not None and centers is not None:
-        raise UsageError("--start and --centers both say where to begin; give one of them")
     for output in outputs:
         check_output(output)
         if output.exists() and path.exists() and output.samefile(path):
             raise UsageError(f"'{output}' is the shape itself; write the result to another file")
 
     started = time.monotonic()
-    shape = read_shape(path, voxels=voxels, adjacency=adjacency, volume=volume)
+    shape = read_shape(path, reading)
     problem.check(problem.embed(shape))
     if clipped:
         check_clippable(shape)
@@ -100,7 +81,8 @@ def run_segment(
         check_writable(output.suffix, shape)
     if earlier is not None and earlier.shape.get("fingerprint") != shape.fingerprint:
         message(
-            f"warning: {start} is a result of another shape, '{earlier.shape.get('name')}'",
+            f"warning: {steering.start} is a result of another shape,"
+            f" '{earlier.shape.get('name')}'",
             quiet=quiet,
         )
     for note in shape.notes:
@@ -112,20 +94,13 @@ def run_segment(
         naming_slow_calls(partial(_tell_waiting, quiet=quiet), after=PATIENCE),
     ):
         try:
-            result = segment_hierarchy(
+            result = solve_hierarchy(
                 shape,
                 task,
-                **chosen,
-                start=begin,
+                options,
+                start=start_centers,
                 freeze=frozen,
                 pins=pinned,
-                restarts=restarts,
-                finalists=finalists,
-                resolution=resolution,
-                settings=settings,
-                seed=seed,
-                max_seconds=max_seconds,
-                workers=processes,
                 report=lambda progress: show(progress) or stop(),
             )
         except MosegError as error:
@@ -156,22 +131,6 @@ def run_segment(
 
 def _tell_waiting(what: str, seconds: float, *, quiet: bool) -> None:
     message(f"waiting for {what}, {seconds:.0f} s so far", quiet=quiet)
-
-
-def _read_choices(choices: Mapping[str, str | None], centers: str | None) -> dict[str, Any]:
-    """The components to use instead of the method's."""
-    chosen: dict[str, Any] = {
-        kind: Choice.read(text, kind)  # type: ignore[arg-type]  # the keys are kinds
-        for kind, text in choices.items()
-        if text is not None
-    }
-    if centers is not None:
-        if chosen.get("seeder", Choice("given")).name not in ("given", "core:given"):
-            raise UsageError(
-                f"--centers goes with the seeder 'given', not '{chosen['seeder'].name}'"
-            )
-        chosen["seeder"] = Choice("given", {"centers": centers})
-    return chosen
 
 
 def _told(result: Result) -> str:

@@ -39,6 +39,10 @@ class Choice:
     name: str
     parameters: Mapping[str, Any] = field(default_factory=dict)
 
+    def __hash__(self) -> int:
+        # Parameters that a recipe's table gives may be lists; the names tell most choices apart.
+        return hash((self.name, tuple(sorted(self.parameters))))
+
     @classmethod
     def read(cls, given: str | Mapping[str, Any] | Choice, kind: Kind) -> Choice:
         """From text or a table.

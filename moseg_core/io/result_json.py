@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -13,10 +13,12 @@ import numpy as np
 
 from moseg_core.components.cost import Cost
 from moseg_core.components.protocols import Centers
-from moseg_core.errors import UsageError
+from moseg_core.errors import UsageError, unknown
 from moseg_core.problem.aggregate import CallValue, Evaluation, TermValue
 from moseg_core.problem.hierarchy import Hierarchy
 from moseg_core.problem.problem import Problem
+from moseg_core.problem.settings import RECIPE_OPTIONS, SearchOptions
+from moseg_core.problem.statement import Statement, joined
 from moseg_core.search.result import Result
 from moseg_core.types import IntArray
 
@@ -34,14 +36,9 @@ class SavedResult:
         Name, number of elements, fingerprint and notes of the shape.
     labels : (F,) int
     names : tuple of str
-        The problem's labels.
-    minimize : str
-        The problem's expression.
-    constraints : tuple of str
-    plane, embedding, space : str or None
-        What else belongs to the problem; of several levels that of the first.
-    levels : tuple of mapping
-        Path, labels and expression of every level of a hierarchy; else empty.
+        What the labels are called: of several levels the leaves' paths.
+    statement : Statement
+        What was asked for; how it was searched is told by :meth:`search`.
     evaluation : Evaluation
     centers : Centers
     method : mapping of str to str
@@ -55,11 +52,7 @@ class SavedResult:
     shape: Mapping[str, Any]
     labels: IntArray
     names: tuple[str, ...]
-    minimize: str
-    constraints: tuple[str, ...]
-    plane: str | None
-    embedding: str | None
-    space: str | None
+    statement: Statement
     evaluation: Evaluation
     centers: Centers
     method: Mapping[str, str]
@@ -68,7 +61,20 @@ class SavedResult:
     warnings: tuple[str, ...]
     versions: Mapping[str, str]
     history: Mapping[str, list[dict[str, float]]]
-    levels: tuple[Mapping[str, Any], ...] = ()
+
+    def search(self, path: str = "") -> SearchOptions:
+        """The search options that a level's run had settled on, the whole's by default.
+
+        Raises
+        ------
+        UsageError
+            There is no such level.
+        """
+        front = f"{path}: " if path else ""
+        if front + "optimizer" not in self.method:
+            raise UsageError(unknown("level", path, [p for p, _ in self.statement.levels()]))
+        options: Any = {key: self.method[front + key] for key in RECIPE_OPTIONS}
+        return SearchOptions(**options, settings=self.method[front + "settings"], seed=self.seed)
 
 
 def read_result(path: Path) -> SavedResult:
@@ -121,11 +127,7 @@ def _from_document(document: dict[str, Any]) -> SavedResult:
         shape=document["shape"],
         labels=np.array(document["labels"], np.int64),
         names=tuple(problem["labels"]),
-        minimize=problem["minimize"],
-        constraints=tuple(problem.get("constraints", ())),
-        plane=problem.get("plane"),
-        embedding=problem.get("embedding"),
-        space=problem.get("space"),
+        statement=_read_statement(problem),
         evaluation=Evaluation(
             cost=Cost(len(cost["empty"]) + int(cost["broken_pins"]), float(cost["value"])),
             terms=terms,
@@ -142,7 +144,6 @@ def _from_document(document: dict[str, Any]) -> SavedResult:
         warnings=tuple(document["warnings"]),
         versions=document["versions"],
         history=document["history"],
-        levels=tuple(problem.get("levels", ())),
     )
 
 
@@ -196,23 +197,29 @@ def write_json(result: Result) -> bytes:
 
 
 def _problem_document(problem: Problem | Hierarchy) -> dict[str, Any]:
-    """Labels and expression; constraints, embedding and further levels where there are any."""
+    """The statement of a problem; of several levels one after the other, with their paths.
+
+    How each was searched stands under "method", settled, and is not repeated here.
+    """
     if isinstance(problem, Hierarchy):
         levels = [
             {"path": path, **_problem_document(level.problem)} for path, level in problem.levels()
         ]
         return {**_problem_document(problem.problem), "labels": problem.labels, "levels": levels}
-    document: dict[str, Any] = {
-        "labels": list(problem.labels),
-        "minimize": str(problem.expression),
-    }
-    if problem.rules:
-        document["constraints"] = [rule.text for rule in problem.rules]
-    if problem.plane is not None:
-        document["plane"] = problem.plane
-    if problem.embedding is not None:
-        document |= {"embedding": str(problem.embedding), "space": problem.space}
-    return document
+    return problem.statement.document()
+
+
+def _read_statement(problem: Mapping[str, Any]) -> Statement:
+    """The statement that :func:`_problem_document` wrote."""
+    tables = {level["path"]: level for level in problem.get("levels", [{**problem, "path": ""}])}
+
+    def read(path: str) -> Statement:
+        table = {key: value for key, value in tables[path].items() if key != "path"}
+        below = {label: joined(path, label) for label in table["labels"]}
+        parts = tuple((label, read(inner)) for label, inner in below.items() if inner in tables)
+        return replace(Statement.read(table), parts=parts)
+
+    return read("")
 
 
 def evaluation_document(evaluation: Evaluation) -> dict[str, Any]:

@@ -29,13 +29,11 @@ from moseg_core.components.segmentation import checked_labels
 from moseg_core.errors import UsageError, unknown
 from moseg_core.problem.aggregate import CallValue, Evaluation, TermValue
 from moseg_core.problem.problem import Problem
-from moseg_core.problem.settings import Method
+from moseg_core.problem.settings import SearchOptions
+from moseg_core.problem.statement import SEPARATOR, Statement, joined
 from moseg_core.shape.shape import Shape
 from moseg_core.shape.subshape import subshape
 from moseg_core.types import IntArray
-
-SEPARATOR = "/"
-"""Between the labels of a path; no label contains it."""
 
 T = TypeVar("T")
 
@@ -51,7 +49,7 @@ class Hierarchy:
     parts : mapping of str to Problem or Hierarchy
         For parts of it, by label or glob: ``{"leg*": Problem(["upper", "lower"], ...)}``. A label
         goes before a glob, an earlier glob before a later one. The others stay whole.
-    method : Method
+    search : SearchOptions
         How the problem for the whole is solved; that of a part has its own.
 
     Raises
@@ -69,7 +67,7 @@ class Hierarchy:
 
     problem: Problem
     parts: Mapping[str, Problem | Hierarchy] = field(default_factory=dict)
-    method: Method = field(default_factory=Method)
+    search: SearchOptions = field(default_factory=SearchOptions)
 
     def __post_init__(self) -> None:
         if not isinstance(self.problem, Problem):
@@ -84,6 +82,30 @@ class Hierarchy:
 
     def __repr__(self) -> str:
         return f"Hierarchy({', '.join(self.labels)})"
+
+    @classmethod
+    def of(cls, statement: Statement, *, registry: Registry | None = None) -> Hierarchy:
+        """The problems that a statement asks for, with all names looked up.
+
+        Parameters
+        ----------
+        statement : Statement
+        registry : Registry, optional
+            Where to look; everything installed by default.
+
+        Raises
+        ------
+        UsageError, PluginError
+            See :class:`moseg_core.Problem`.
+        """
+        parts = {label: cls.of(part, registry=registry) for label, part in statement.parts}
+        return cls(Problem.of(statement, registry=registry), parts, statement.search)
+
+    @cached_property
+    def statement(self) -> Statement:
+        """What was asked for, on all levels."""
+        parts = tuple((label, child.statement) for label, child in self.children.items())
+        return replace(self.problem.statement, search=self.search, parts=parts)
 
     @cached_property
     def children(self) -> Mapping[str, Hierarchy]:
@@ -232,17 +254,6 @@ class Hierarchy:
             part = subshape(shape, elements, name=joined(shape.name, label))
             first = int(np.searchsorted(self.owners, owner))
             yield from child._evaluations(part, leaves[elements] - first, inner)
-
-
-def joined(path: str, label: str) -> str:
-    """The path of a label at the end of another path.
-
-    Examples
-    --------
-    >>> joined("", "head"), joined("head", "ear1")
-    ('head', 'head/ear1')
-    """
-    return f"{path}{SEPARATOR}{label}" if path else label
 
 
 def expand_parts(given: Iterable[tuple[str, T]], labels: Sequence[str]) -> dict[str, T]:

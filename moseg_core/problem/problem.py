@@ -30,6 +30,7 @@ from moseg_core.problem.aggregate import Evaluation, evaluate_segmentation
 from moseg_core.problem.binding import BoundTerm, bind
 from moseg_core.problem.constraint_calls import bind_rules
 from moseg_core.problem.constraints import Constraints
+from moseg_core.problem.statement import Statement
 from moseg_core.shape.shape import Shape
 
 ORIGINAL = "original"
@@ -119,15 +120,49 @@ class Problem:
         if plane is not None and not isinstance(plane, str):
             raise UsageError(f"plane must be a text such as 'auto' or 'x', not {plane!r:.60}")
         self.rules = bind_rules(constraints, self.labels, self.registry, plane)
-        self._embedded: dict[Shape, Shape] = {}
 
-    def __getstate__(self) -> dict[str, Any]:
-        # Embedded shapes are large, and computed anew where they are needed.
-        return {key: value for key, value in self.__dict__.items() if key != "_embedded"}
+    @classmethod
+    def of(cls, statement: Statement, *, registry: Registry | None = None) -> Problem:
+        """The problem that a statement asks for on its first level, with all names looked up.
 
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)
-        self._embedded = {}
+        Parameters
+        ----------
+        statement : Statement
+        registry : Registry, optional
+            Where to look; everything installed by default.
+
+        Raises
+        ------
+        UsageError, PluginError
+            As for the constructor.
+
+        Examples
+        --------
+        >>> from moseg_core.problem.statement import Statement
+        >>> Problem.of(Statement(labels=("a", "b"), minimize="narrow(a)")).labels
+        ('a', 'b')
+        """
+        return cls(
+            statement.labels,
+            statement.minimize,
+            constraints=statement.constraints,
+            plane=statement.plane,
+            embedding=statement.embedding,
+            space=statement.space,
+            registry=registry,
+        )
+
+    @cached_property
+    def statement(self) -> Statement:
+        """What was asked for, as plain data; objectives and constraints of your own by name."""
+        return Statement(
+            labels=self.labels,
+            minimize=str(self.expression),
+            constraints=tuple(rule.text for rule in self.rules),
+            plane=self.plane,
+            embedding=self.embedding,
+            space=None if self.embedding is None else self.space,
+        )
 
     def __repr__(self) -> str:
         return f"Problem({list(self.labels)!r}, {str(self.expression)!r})"
@@ -174,7 +209,7 @@ class Problem:
         Returns
         -------
         Shape
-            Computed once for each shape, and kept as long as the problem.
+            Computed once for each shape, and kept as long as the shape.
 
         Raises
         ------
@@ -186,14 +221,17 @@ class Problem:
         ready = self.bending
         if ready is None or shape.original is not None:
             return shape
-        if shape not in self._embedded:
-            name = ready.component.spec.name
+        component = ready.component
+        text = str(Choice(component.id, ready.parameters))
+        key = (text, component.distribution, component.spec.target)
+        if key not in shape.made_from:
             with ready.guard():
                 bent = ready.make()(shape)
             if not isinstance(bent, Shape) or bent.n_elements != shape.n_elements:
                 raise PluginError(f"{ready.who} must return a Shape of the same elements; {REPORT}")
-            self._embedded[shape] = replace(bent, space=name, original=shape)
-        return self._embedded[shape]
+            shape.made_from[key] = replace(bent, space=component.spec.name, original=shape)
+        embedded: Shape = shape.made_from[key]
+        return embedded
 
     def constrain(self, partition: Parameterization, shape: Shape) -> Constraints:
         """The constraints on the vectors of a partition of a shape (Sec. 8).

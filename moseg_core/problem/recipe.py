@@ -32,60 +32,51 @@ Bundles bring recipes through the hook ``moseg_recipes``; anybody else gives a p
 
 from __future__ import annotations
 
+import json
 import tomllib
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from moseg_core.components.chosen import Choice
 from moseg_core.components.discovery.registry import Registry, registry
-from moseg_core.components.discovery.specs import Kind
 from moseg_core.errors import REPORT, PluginError, UsageError, unknown
 from moseg_core.language import parse
-from moseg_core.problem.hierarchy import Hierarchy, expand_parts, joined
+from moseg_core.problem.hierarchy import Hierarchy, expand_parts
 from moseg_core.problem.problem import Problem, check_label_names
-from moseg_core.problem.settings import Method, read_finalists, read_resolution, read_restarts
-
-_PROBLEM_KEYS = ("constraints", "plane", "embedding", "space")
-_METHOD_KEYS: tuple[Kind, ...] = ("parameterization", "seeder", "labeler", "optimizer")
-_EXTENT: dict[str, Callable[[object], Any]] = {
-    "resolution": read_resolution,
-    "restarts": read_restarts,
-    "finalists": read_finalists,
-}
+from moseg_core.problem.statement import KEYS, SEPARATOR, Statement, joined
 
 
 @dataclass(frozen=True, kw_only=True)
 class Recipe:
-    """A named problem and the components to solve it with.
+    """A statement of a problem with a name.
 
     Parameters
     ----------
     name : str
-    labels : tuple of str
-    minimize : str
-    method : Method
+    statement : Statement
+        Labels, expression, and whatever else is asked for, also of parts.
     description : str
-    constraints : tuple of str
-    plane : str or None
-    embedding : Choice or None
-    space : str or None
-        See :class:`moseg_core.Problem`.
-    parts : tuple of (str, Recipe)
-        For labels whose part is segmented in its turn, in their order.
+
+    Examples
+    --------
+    >>> load_recipe("hammer").statement.labels
+    ('handle', 'head')
     """
 
     name: str
-    labels: tuple[str, ...]
-    minimize: str
-    method: Method = field(default_factory=Method)
+    statement: Statement
     description: str = ""
-    constraints: tuple[str, ...] = ()
-    plane: str | None = None
-    embedding: Choice | None = None
-    space: str | None = None
-    parts: tuple[tuple[str, Recipe], ...] = ()
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """Names of the parts of the whole."""
+        return self.statement.labels
+
+    @property
+    def minimize(self) -> str:
+        """The aggregate objective of the whole."""
+        return self.statement.minimize
 
     def problem(self, *, source: Registry | None = None) -> Problem:
         """The problem that the recipe states for the whole shape.
@@ -100,18 +91,10 @@ class Recipe:
         >>> load_recipe("hammer").problem().labels
         ('handle', 'head')
         """
-        return Problem(
-            self.labels,
-            self.minimize,
-            constraints=self.constraints,
-            plane=self.plane,
-            embedding=self.embedding,
-            space=self.space,
-            registry=source,
-        )
+        return Problem.of(self.statement, registry=source)
 
     def hierarchy(self, *, source: Registry | None = None) -> Hierarchy:
-        """The problems for the whole and for its parts, each with its method.
+        """The problems for the whole and for its parts, each with its search options.
 
         Raises
         ------
@@ -123,8 +106,33 @@ class Recipe:
         >>> load_recipe("hammer").hierarchy().labels
         ('handle', 'head')
         """
-        parts = {label: part.hierarchy(source=source) for label, part in self.parts}
-        return Hierarchy(self.problem(source=source), parts, self.method)
+        return Hierarchy.of(self.statement, registry=source)
+
+    def toml(self) -> str:
+        r"""The text of the recipe, which :func:`parse_recipe` reads back to the same.
+
+        Examples
+        --------
+        >>> stated = Statement(labels=("a", "b"), minimize="narrow(a)")
+        >>> print(Recipe(name="mine", statement=stated).toml(), end="")
+        labels = ["a", "b"]
+        minimize = "narrow(a)"
+        """
+        described = {"description": self.description} if self.description else {}
+        lines = [*_toml_lines(described), *_toml_lines(self.statement.alone().document())]
+        for path, level in list(self.statement.levels())[1:]:
+            heading = ".parts.".join(_toml_value(label) for label in path.split(SEPARATOR))
+            lines += ["", f"[parts.{heading}]", *_toml_lines(level.alone().document())]
+        return "\n".join(lines) + "\n"
+
+
+def _toml_lines(table: Mapping[str, Any]) -> list[str]:
+    return [f"{key} = {_toml_value(value)}" for key, value in table.items()]
+
+
+def _toml_value(value: Any) -> str:
+    """Texts, numbers and lists of texts are written in TOML as in JSON, but for DEL."""
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
 def parse_recipe(text: str, name: str, *, source: Registry | None = None) -> Recipe:
@@ -202,7 +210,8 @@ class _Library:
                 f" not a text; {REPORT}"
             )
         recipe = _parse(text, component.spec.name, self._within(component.id, Path()))
-        return _in_full(recipe, component.bundle, self.source)
+        stated = _in_full(recipe.statement, component.bundle, self.source)
+        return replace(recipe, statement=stated)
 
     def _within(self, key: str, folder: Path) -> _Library:
         """The library for the parts of a recipe, which may not name a recipe that it is part of."""
@@ -220,46 +229,25 @@ def _parse(text: str, name: str, library: _Library) -> Recipe:
 
 
 def _read(table: Mapping[str, Any], name: str, library: _Library) -> Recipe:
-    allowed = ("description", "labels", "minimize", "parts", *_PROBLEM_KEYS, *_METHOD_KEYS)
-    allowed = (*allowed, *_EXTENT)
     for key in table:
-        if key not in allowed:
+        if key not in (allowed := ("description", "parts", *KEYS)):
             raise UsageError(f"recipe '{name}': {unknown('key', key, allowed)}")
-    given = _required(table, "labels", list, name)
-    minimize = _required(table, "minimize", str, name)
-    description = _required({"description": ""} | dict(table), "description", str, name)
-    constraints = _required({"constraints": []} | dict(table), "constraints", list, name)
-    words = {key: _required(table, key, str, name) for key in ("plane", "space") if key in table}
+    description = _required({"description": ""} | dict(table), "description", name)
+    nested = table.get("parts", {})
     try:
-        labels = check_label_names(given)
-        choices: dict[str, Any] = {
-            key: Choice.read(table[key], key) for key in _METHOD_KEYS if key in table
-        }
-        extent = {key: read(table[key]) for key, read in _EXTENT.items() if key in table}
-        embedding = None
-        if "embedding" in table:
-            embedding = Choice.read(table["embedding"], "embedding")
-        for text in constraints:
-            if not isinstance(text, str):
-                raise UsageError(f"a constraint is a text such as 'mirror(a, b)', not {text!r}")
-        nested = table.get("parts", {})
+        statement = Statement.read({key: table[key] for key in KEYS if key in table})
+        check_label_names(statement.labels)
         if not isinstance(nested, dict):
             raise UsageError(f"'parts' must be tables such as [parts.head]; it is {nested!r}")
-        expand_parts(nested.items(), labels)
+        expand_parts(nested.items(), statement.labels)
     except UsageError as error:
         raise UsageError(f"recipe '{name}': {error}") from error
-    read = [(key, _read_part(part, joined(name, key), library)) for key, part in nested.items()]
-    return Recipe(
-        name=name,
-        labels=labels,
-        minimize=minimize,
-        method=Method(**choices, **extent),
-        description=description,
-        constraints=tuple(constraints),
-        embedding=embedding,
-        parts=tuple(expand_parts(read, labels).items()),
-        **words,
-    )
+    read = [
+        (key, _read_part(part, joined(name, key), library).statement)
+        for key, part in nested.items()
+    ]
+    parts = tuple(expand_parts(read, statement.labels).items())
+    return Recipe(name=name, statement=replace(statement, parts=parts), description=description)
 
 
 def _read_part(table: object, name: str, library: _Library) -> Recipe:
@@ -271,15 +259,15 @@ def _read_part(table: object, name: str, library: _Library) -> Recipe:
     others = [key for key in table if key != "recipe"]
     if others:
         raise UsageError(f"recipe '{name}': 'recipe' stands alone, without '{others[0]}'")
-    return library.load(_required(table, "recipe", str, name))
+    return library.load(_required(table, "recipe", name))
 
 
-def _in_full(recipe: Recipe, bundle: str, source: Registry) -> Recipe:
+def _in_full(statement: Statement, bundle: str, source: Registry) -> Statement:
     """A bundle's recipe, in which names mean the bundle's own objectives (:func:`said_in_full`)."""
     return replace(
-        recipe,
-        minimize=said_in_full(recipe.minimize, lambda word: f"{bundle}:{word}", source),
-        parts=tuple((label, _in_full(part, bundle, source)) for label, part in recipe.parts),
+        statement,
+        minimize=said_in_full(statement.minimize, lambda word: f"{bundle}:{word}", source),
+        parts=tuple((label, _in_full(part, bundle, source)) for label, part in statement.parts),
     )
 
 
@@ -307,9 +295,9 @@ def said_in_full(text: str, full: Callable[[str], str | None], source: Registry)
     return text if terms == expression.terms else str(replace(expression, terms=terms))
 
 
-def _required(table: Mapping[str, Any], key: str, kind: type, name: str) -> Any:
-    if not isinstance(table.get(key), kind):
-        what = "a list of texts" if kind is list else "a text"
+def _required(table: Mapping[str, Any], key: str, name: str) -> str:
+    if not isinstance(table.get(key), str):
         found = repr(table[key]) if key in table else "missing"
-        raise UsageError(f"recipe '{name}': '{key}' must be {what}; it is {found}")
-    return table[key]
+        raise UsageError(f"recipe '{name}': '{key}' must be a text; it is {found}")
+    text: str = table[key]
+    return text

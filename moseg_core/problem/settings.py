@@ -1,90 +1,226 @@
-"""Which components a run uses, how finely and how often it searches.
+"""One set of search options: which components, how finely, how often, how long (Sec. 5 to 7).
 
-How fine and how often to search belongs to the method too. What it leaves open is decided by the
-*settings*: ``paper`` is the method as published, ``default`` what measurements on horses and
-hammers recommend (``benchmarks/stages.py``).
+What a recipe says of its search and what a caller asks for are the same thing, a
+:class:`SearchOptions`, some of it left open. :meth:`SearchOptions.settled` puts the two together,
+once, and fills in the rest by the *settings*: ``paper`` is the method as published, ``default``
+what measurements on horses and hammers recommend (``benchmarks/stages.py``). All that comes after
+(:mod:`moseg_core.search`) reads the settled options and decides nothing of this again.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
+from numbers import Integral
+from typing import Any, TypedDict
 
 from moseg_core.components.chosen import Choice
 from moseg_core.components.discovery.specs import Kind
 from moseg_core.errors import UsageError, unknown
 
-
-@dataclass(frozen=True, kw_only=True)
-class Method:
-    """The components of a run (Sec. 4 to 7); the defaults are the paper's.
-
-    Parameters
-    ----------
-    parameterization, seeder, labeler, optimizer : Choice
-    resolution : int, "full" or None
-        Number of super-elements to search on; None leaves it to the settings.
-    restarts : int or None
-        Number of starts; None leaves it to the settings.
-    finalists : int or None
-        How many of them go on to the end; None leaves it to the settings.
-    """
-
-    parameterization: Choice = Choice("voronoi")
-    seeder: Choice = Choice("kmeans")
-    labeler: Choice = Choice("hungarian")
-    optimizer: Choice = Choice("pattern_search")
-    resolution: int | str | None = None
-    restarts: int | None = None
-    finalists: int | None = None
-
-
 SETTINGS = ("default", "paper")
-"""What decides where the request and the recipe do not."""
+"""What decides where neither the request nor the recipe does."""
 
-_KINDS: tuple[Kind, ...] = ("parameterization", "seeder", "labeler", "optimizer")
+SEARCH_KINDS: tuple[Kind, ...] = ("parameterization", "seeder", "labeler", "optimizer")
+"""The kinds of component of which every search uses one."""
+
+RECIPE_OPTIONS = (*SEARCH_KINDS, "resolution", "restarts", "finalists")
+"""The options that belong to how a problem is solved, whoever solves it: a recipe may hold them."""
+
+ComponentChoice = str | Mapping[str, Any] | Choice | None
+"""A component as a caller names it: ``"kmeans"``, ``"pattern_search(expansion=2)"``, a table."""
+
 _DEFAULT_RESOLUTION = 2000
 _DEFAULT_RESTARTS = 8
 _DEFAULT_FINALISTS = 2
 _DEFAULT_EVOLUTION = {"population": 20, "iterations": 6}
 
 
-def settled(method: Method, settings: str) -> Method:
-    """The method with nothing left open.
+class OptionValues(TypedDict, total=False):
+    """The fields of :class:`SearchOptions` as keyword arguments, for functions that take them."""
+
+    parameterization: ComponentChoice
+    seeder: ComponentChoice
+    labeler: ComponentChoice
+    optimizer: ComponentChoice
+    resolution: int | str | None
+    restarts: int | str | None
+    finalists: int | str | None
+    settings: str
+    seed: int
+    max_seconds: float | None
+    workers: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class SettledOptions:
+    """Search options with nothing left open but the limit on time; see :class:`SearchOptions`."""
+
+    parameterization: Choice
+    seeder: Choice
+    labeler: Choice
+    optimizer: Choice
+    resolution: int | str
+    restarts: int
+    finalists: int
+    settings: str
+    seed: int
+    max_seconds: float | None
+    workers: int
+
+    def check_resolution(self, n_labels: int, where: str = "") -> None:
+        """Refuse a resolution with fewer super-elements than there are labels.
+
+        Parameters
+        ----------
+        n_labels : int
+        where : str
+            Path of the level that the labels belong to, for the message.
+
+        Raises
+        ------
+        UsageError
+            It is too low.
+        """
+        if self.resolution != "full" and int(self.resolution) < n_labels:
+            of = f" of '{where}'" if where else ""
+            raise UsageError(
+                f"a resolution of {self.resolution} is too low for the {n_labels} labels{of}"
+            )
+
+
+@dataclass(frozen=True, kw_only=True)
+class SearchOptions:
+    """How a problem is solved; None leaves a matter open.
+
+    Values are read and checked when the options are made: components become
+    :class:`~moseg_core.components.chosen.Choice` objects, digits become numbers.
 
     Parameters
     ----------
-    method : Method
+    parameterization, seeder, labeler, optimizer : str, mapping or Choice, optional
+        Components: ``"pattern_search(expansion=2)"``.
+    resolution : int or "full", optional
+        Number of super-elements on which to seed and search, where the shape has more than 1.5
+        times as many elements.
+    restarts : int, optional
+        Number of starts.
+    finalists : int, optional
+        How many of the starts, the best after a while, go on to the end.
     settings : str
-        ``paper``: the method's components with the paper's parameters, which are their own
-        defaults, one start, full resolution. ``default``: 2000 super-elements and eight starts, two
-        of which go on to the end, where the method does not say otherwise; one start where it
-        limits the evaluations.
+        What decides where the rest does not: ``default``, or ``paper`` for the paper's parameters,
+        one start and full resolution.
+    seed : int
+        Of the random generator; the same seed gives the same result.
+    max_seconds : float, optional
+        Ends the search after about this time.
+    workers : int
+        Number of processes to share the starts among.
 
     Raises
     ------
     UsageError
-        Unknown settings.
+        A value that makes no sense; says which is allowed.
 
     Examples
     --------
-    >>> found = settled(Method(seeder=Choice("evolution", {"population": 9})), "paper")
-    >>> str(found.seeder), found.resolution, found.restarts
-    ('evolution', 'full', 1)
-    >>> settled(Method(restarts=2), "default").restarts
-    2
+    >>> options = SearchOptions(optimizer="pattern_search(expansion=2)", restarts="3")
+    >>> str(options.optimizer), options.restarts, options.seeder
+    ('pattern_search(expansion=2)', 3, None)
     """
-    if settings not in SETTINGS:
-        raise UsageError(unknown("settings", settings, SETTINGS))
-    if settings == "paper":
-        plain = {kind: Choice(getattr(method, kind).name) for kind in _KINDS}
-        return Method(**plain, resolution="full", restarts=1, finalists=1)
-    limited = method.optimizer.parameters.get("max_evaluations") is not None
-    return replace(
-        method,
-        resolution=_DEFAULT_RESOLUTION if method.resolution is None else method.resolution,
-        restarts=method.restarts or (1 if limited else _DEFAULT_RESTARTS),
-        finalists=method.finalists or _DEFAULT_FINALISTS,
-    )
+
+    parameterization: ComponentChoice = None
+    seeder: ComponentChoice = None
+    labeler: ComponentChoice = None
+    optimizer: ComponentChoice = None
+    resolution: int | str | None = None
+    restarts: int | str | None = None
+    finalists: int | str | None = None
+    settings: str = "default"
+    seed: int = 0
+    max_seconds: float | None = None
+    workers: int = 1
+
+    def __post_init__(self) -> None:
+        for kind in SEARCH_KINDS:
+            given = getattr(self, kind)
+            if given is not None:
+                object.__setattr__(self, kind, Choice.read(given, kind))
+        if self.resolution is not None:
+            object.__setattr__(self, "resolution", _resolution(self.resolution))
+        for name, counted in (("restarts", "start"), ("finalists", "finalist")):
+            if getattr(self, name) is not None:
+                object.__setattr__(self, name, _count(getattr(self, name), counted))
+        if self.settings not in SETTINGS:
+            raise UsageError(unknown("settings", self.settings, SETTINGS))
+        _check_seed(self.seed)
+        if self.max_seconds is not None and not 0 <= self.max_seconds < math.inf:
+            raise UsageError(
+                f"the limit on seconds must not be negative, and is {self.max_seconds}"
+            )
+        if isinstance(self.workers, str):
+            raise UsageError(f"the number of workers must be a whole number, not {self.workers!r}")
+        _count(self.workers, "worker")
+
+    def over(self, other: SearchOptions) -> SearchOptions:
+        """These options where they say something, and others where they leave a matter open.
+
+        Settings, seed and workers, which are never open, stay these options' own.
+
+        Examples
+        --------
+        >>> found = SearchOptions(restarts=2).over(SearchOptions(restarts=9, seeder="evolution"))
+        >>> found.restarts, str(found.seeder)
+        (2, 'evolution')
+        """
+        still_open = {f.name for f in fields(self) if getattr(self, f.name) is None}
+        return replace(self, **{name: getattr(other, name) for name in still_open})
+
+    def settled(self, recipe: SearchOptions | None = None) -> SettledOptions:
+        """The options with nothing left open but the limit on time.
+
+        Parameters
+        ----------
+        recipe : SearchOptions, optional
+            What the recipe says, where these options do not. Under ``paper`` only its components
+            count, without parameters: the paper's are their own defaults.
+
+        Examples
+        --------
+        >>> recipe = SearchOptions(seeder="evolution(population=9)")
+        >>> found = SearchOptions(settings="paper").settled(recipe)
+        >>> str(found.seeder), found.resolution, found.restarts
+        ('evolution', 'full', 1)
+
+        One start where the evaluations are limited: the limit is better spent on one.
+
+        >>> SearchOptions().settled().restarts
+        8
+        >>> SearchOptions(optimizer="pattern_search(max_evaluations=20)").settled().restarts
+        1
+        """
+        said = SearchOptions() if recipe is None else recipe
+        if self.settings == "paper":
+            plain: Any = {
+                kind: Choice(choice.name)
+                for kind in SEARCH_KINDS
+                if (choice := getattr(said, kind)) is not None
+            }
+            said = replace(SearchOptions(resolution="full", restarts=1, finalists=1), **plain)
+        found = self.over(said).over(_DEFAULT_COMPONENTS)
+        values: Any = {f.name: getattr(found, f.name) for f in fields(found)}
+        limited = values["optimizer"].parameters.get("max_evaluations") is not None
+        left_open = {
+            "resolution": _DEFAULT_RESOLUTION,
+            "restarts": 1 if limited else _DEFAULT_RESTARTS,
+            "finalists": _DEFAULT_FINALISTS,
+        }
+        for name, default in left_open.items():
+            if values[name] is None:
+                values[name] = default
+        values["seeder"] = tuned(values["seeder"], self.settings)
+        return SettledOptions(**values)
 
 
 def tuned(choice: Choice, settings: str) -> Choice:
@@ -101,19 +237,8 @@ def tuned(choice: Choice, settings: str) -> Choice:
     return choice
 
 
-def read_resolution(given: object) -> int | str:
-    """A number of super-elements, or "full".
-
-    Raises
-    ------
-    UsageError
-        Anything else.
-
-    Examples
-    --------
-    >>> read_resolution("2000"), read_resolution("full")
-    (2000, 'full')
-    """
+def _resolution(given: object) -> int | str:
+    """A number of super-elements, or "full"."""
     if given == "full":
         return "full"
     if isinstance(given, str) and given.isdecimal():
@@ -126,29 +251,8 @@ def read_resolution(given: object) -> int | str:
     return given
 
 
-def read_restarts(given: object) -> int:
-    """A number of starts, as a number or in digits.
-
-    Raises
-    ------
-    UsageError
-        Anything else.
-    """
-    return _read_count(given, "start")
-
-
-def read_finalists(given: object) -> int:
-    """How many of the starts go on to the end, as a number or in digits.
-
-    Raises
-    ------
-    UsageError
-        Anything else.
-    """
-    return _read_count(given, "finalist")
-
-
-def _read_count(given: object, what: str) -> int:
+def _count(given: object, what: str) -> int:
+    """A number of things of which there is one at least."""
     if isinstance(given, str) and given.isdecimal():
         given = int(given)
     if isinstance(given, bool) or not isinstance(given, int):
@@ -156,3 +260,15 @@ def _read_count(given: object, what: str) -> int:
     if given < 1:
         raise UsageError(f"there must be at least one {what}, not {given}")
     return given
+
+
+def _check_seed(seed: object) -> None:
+    if isinstance(seed, bool) or not isinstance(seed, Integral):
+        raise UsageError(f"the seed must be a whole number, not {seed!r}")
+    if int(seed) < 0:
+        raise UsageError(f"the seed must not be negative, and is {seed}")
+
+
+_DEFAULT_COMPONENTS = SearchOptions(
+    parameterization="voronoi", seeder="kmeans", labeler="hungarian", optimizer="pattern_search"
+)

@@ -19,7 +19,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, TypedDict, Unpack
+from typing import Any, Unpack
 
 import numpy as np
 import numpy.typing as npt
@@ -27,35 +27,17 @@ import numpy.typing as npt
 from moseg_core.components.chosen import Choice
 from moseg_core.components.protocols import Centers, Progress, Report
 from moseg_core.errors import MosegError, ShapeError, UsageError
-from moseg_core.problem.hierarchy import Hierarchy, combined, joined
+from moseg_core.problem.hierarchy import Hierarchy, combined
 from moseg_core.problem.problem import Problem
 from moseg_core.problem.recipe import Recipe
-from moseg_core.problem.settings import read_resolution, settled
+from moseg_core.problem.settings import OptionValues, SearchOptions
+from moseg_core.problem.statement import joined
 from moseg_core.search.restarts import Listener
 from moseg_core.search.result import Result
-from moseg_core.search.segment import check_limits, prepare_method, segment
+from moseg_core.search.segment import prepare_components, solve
 from moseg_core.shape.shape import Shape
 from moseg_core.shape.subshape import subshape
 from moseg_core.types import FloatArray, IntArray
-
-_KINDS = ("parameterization", "seeder", "labeler", "optimizer")
-
-
-class Options(TypedDict, total=False):
-    """What :func:`moseg_core.segment` can be told about the search, here for all levels."""
-
-    seeder: str | Mapping[str, Any] | Choice | None
-    labeler: str | Mapping[str, Any] | Choice | None
-    optimizer: str | Mapping[str, Any] | Choice | None
-    parameterization: str | Mapping[str, Any] | Choice | None
-    restarts: int | str | None
-    finalists: int | str | None
-    resolution: int | str | None
-    settings: str
-    seed: int
-    max_seconds: float | None
-    workers: int
-    report: Report | None
 
 
 def segment_hierarchy(
@@ -65,7 +47,8 @@ def segment_hierarchy(
     start: Centers | Result | None = None,
     freeze: Sequence[str] = (),
     pins: Mapping[str, npt.ArrayLike] | None = None,
-    **options: Unpack[Options],
+    report: Report | None = None,
+    **options: Unpack[OptionValues],
 ) -> Result:
     """Segment a shape, then its parts, and so on.
 
@@ -76,12 +59,12 @@ def segment_hierarchy(
         A plain problem is segmented as by :func:`moseg_core.segment`.
     start, freeze, pins
         As for :func:`moseg_core.segment`, about the first level only: by its labels.
+    report : callable, optional
+        As for :func:`moseg_core.segment`; the level stands in front of the stage.
     **options
-        ``seeder``, ``labeler``, ``optimizer``, ``parameterization``, ``restarts``,
-        ``finalists``, ``resolution``, ``settings``, ``seed``, ``max_seconds``, ``workers`` and
-        ``report``, as for :func:`moseg_core.segment`; in place of what the levels' own methods
-        say, on every level. The seeder "given" is about the first level only. The seconds are
-        shared: each level gets its part of what is left. Reports tell the level in the stage.
+        The fields of :class:`moseg_core.SearchOptions`, on every level in place of what the level's
+        own options say. The seeder "given" is about the first level only. The seconds are
+        shared: each level gets its part of what is left.
 
     Returns
     -------
@@ -104,9 +87,30 @@ def segment_hierarchy(
     >>> list(result.parts)
     ['handle', 'head/face', 'head/claw']
     """
-    hierarchy = _as_hierarchy(task)
+    return solve_hierarchy(
+        shape,
+        as_hierarchy(task),
+        SearchOptions(**options),
+        start=start,
+        freeze=freeze,
+        pins=pins,
+        report=report,
+    )
+
+
+def solve_hierarchy(
+    shape: Shape,
+    hierarchy: Hierarchy,
+    options: SearchOptions,
+    *,
+    start: Centers | Result | None = None,
+    freeze: Sequence[str] = (),
+    pins: Mapping[str, npt.ArrayLike] | None = None,
+    report: Report | None = None,
+) -> Result:
+    """The same as :func:`segment_hierarchy`, with the options in one piece."""
     check_hierarchy(hierarchy, options)
-    descent = _Descent.of(hierarchy, options)
+    descent = _Descent.of(hierarchy, options, report)
     whole = descent.search(shape, hierarchy, "", start=start, freeze=freeze, pins=pins)
     return descent.merged(whole, hierarchy)
 
@@ -114,7 +118,9 @@ def segment_hierarchy(
 def refine(
     result: Result,
     parts: Mapping[str, Problem | Hierarchy | Recipe],
-    **options: Unpack[Options],
+    *,
+    report: Report | None = None,
+    **options: Unpack[OptionValues],
 ) -> Result:
     """Segment the parts of a result further.
 
@@ -124,7 +130,7 @@ def refine(
         Of one level.
     parts : mapping of str to Problem, Hierarchy or Recipe
         By label or glob of the result.
-    **options
+    report, **options
         As for :func:`segment_hierarchy`; the seed is the result's unless given.
 
     Returns
@@ -153,48 +159,43 @@ def refine(
             "the result is of several levels; nest problems in the Hierarchy of a part instead"
         )
     hierarchy = Hierarchy(
-        result.problem, {label: _as_hierarchy(part) for label, part in parts.items()}
+        result.problem, {label: as_hierarchy(part) for label, part in parts.items()}
     )
     options.setdefault("seed", result.seed)
-    check_hierarchy(hierarchy, options)
-    descent = _Descent.of(hierarchy, options)
+    search = SearchOptions(**options)
+    check_hierarchy(hierarchy, search)
+    descent = _Descent.of(hierarchy, search, report)
     descent.left -= 1
     return descent.merged(result, hierarchy)
 
 
-def check_hierarchy(hierarchy: Hierarchy, options: Mapping[str, Any]) -> None:
+def check_hierarchy(hierarchy: Hierarchy, options: SearchOptions) -> None:
     """Check on every level what can be checked before a shape is there.
 
     Parameters
     ----------
     hierarchy : Hierarchy
-    options : mapping
-        As for :func:`segment_hierarchy`.
+    options : SearchOptions
 
     Raises
     ------
-    TypeError
-        An option that there is not.
     UsageError, PluginError
         An unknown component or parameter, or a resolution too low for the labels of a level.
     """
-    unknown = options.keys() - Options.__annotations__.keys()
-    if unknown:
-        raise TypeError(f"unexpected options {', '.join(sorted(unknown))}")
-    check_limits(options.get("seed", 0), options.get("max_seconds"))
     for path, level in hierarchy.levels():
-        mine = _for_level(options, path)
-        prepare_method(level.problem, level.method, {kind: mine.get(kind) for kind in _KINDS})
-        size = mine.get("resolution")
-        if size is None:
-            size = settled(level.method, options.get("settings", "default")).resolution
-        size, count = read_resolution(size), len(level.problem.labels)
-        if size != "full" and int(size) < count:
-            where = f" of '{path}'" if path else ""
-            raise UsageError(f"a resolution of {size} is too low for the {count} labels{where}")
+        settled = _for_level(options, path).settled(level.search)
+        prepare_components(level.problem, settled)
+        settled.check_resolution(len(level.problem.labels), path)
 
 
-def _as_hierarchy(task: Hierarchy | Recipe | Problem) -> Hierarchy:
+def as_hierarchy(task: Hierarchy | Recipe | Problem) -> Hierarchy:
+    """A task of any form as a hierarchy, of one level where no part is divided.
+
+    Raises
+    ------
+    UsageError
+        It is none of these.
+    """
     if isinstance(task, Hierarchy):
         return task
     if isinstance(task, Recipe):
@@ -204,14 +205,12 @@ def _as_hierarchy(task: Hierarchy | Recipe | Problem) -> Hierarchy:
     raise UsageError(f"a Hierarchy, Recipe or Problem is needed, not {task!r:.60}")
 
 
-def _for_level(options: Mapping[str, Any], path: str) -> dict[str, Any]:
+def _for_level(options: SearchOptions, path: str) -> SearchOptions:
     """The options for one level: centres given by hand are those of the whole."""
-    mine: dict[str, Any] = dict(options)
-    if path and mine.get("seeder") is not None:
-        name = Choice.read(mine["seeder"], "seeder").name
-        if name.removeprefix("core:") == "given":
-            del mine["seeder"]
-    return mine
+    seeder = options.seeder
+    if path and isinstance(seeder, Choice) and seeder.name.removeprefix("core:") == "given":
+        return replace(options, seeder=None)
+    return options
 
 
 @dataclass(kw_only=True)
@@ -220,7 +219,7 @@ class _Descent:
 
     Parameters
     ----------
-    options : Options
+    options : SearchOptions
     listener : Listener
     deadline : float or None
         On the clock of :func:`time.monotonic`.
@@ -234,7 +233,7 @@ class _Descent:
         What ended the run; the levels whose turn was to come are left whole.
     """
 
-    options: Options
+    options: SearchOptions
     listener: Listener
     deadline: float | None
     left: int
@@ -243,12 +242,12 @@ class _Descent:
     failure: MosegError | None = None
 
     @classmethod
-    def of(cls, hierarchy: Hierarchy, options: Options) -> _Descent:
+    def of(cls, hierarchy: Hierarchy, options: SearchOptions, report: Report | None) -> _Descent:
         """A run that has not begun."""
-        seconds = options.get("max_seconds")
+        seconds = options.max_seconds
         return cls(
             options=options,
-            listener=Listener(options.get("report") or _silent),
+            listener=Listener(report or _silent),
             deadline=None if seconds is None else time.monotonic() + seconds,
             left=sum(1 for _ in hierarchy.levels()),
         )
@@ -257,11 +256,18 @@ class _Descent:
         """Segment one level, in its share of the time that is left."""
         mine = _for_level(self.options, path)
         if self.deadline is not None:
-            mine["max_seconds"] = max(0.0, self.deadline - time.monotonic()) / max(1, self.left)
+            left = max(0.0, self.deadline - time.monotonic()) / max(1, self.left)
+            mine = replace(mine, max_seconds=left)
         self.left -= 1
-        mine["report"] = _located(self.listener, path)
         try:
-            return segment(shape, level.problem, method=level.method, **mine, **more)
+            return solve(
+                shape,
+                level.problem,
+                mine,
+                defaults=level.search,
+                report=_located(self.listener, path),
+                **more,
+            )
         except MosegError as error:
             if error.result is None:
                 raise

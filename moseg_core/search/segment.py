@@ -8,10 +8,8 @@ objectives need.
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -23,12 +21,10 @@ from moseg_core.errors import MosegError, UsageError, unknown
 from moseg_core.problem.hierarchy import Hierarchy
 from moseg_core.problem.problem import ORIGINAL, Problem
 from moseg_core.problem.settings import (
-    Method,
-    read_finalists,
-    read_resolution,
-    read_restarts,
-    settled,
-    tuned,
+    SEARCH_KINDS,
+    ComponentChoice,
+    SearchOptions,
+    SettledOptions,
 )
 from moseg_core.search.evaluator import ProblemEvaluator
 from moseg_core.search.restarts import (
@@ -41,23 +37,20 @@ from moseg_core.search.restarts import (
     shared_budget,
 )
 from moseg_core.search.result import Result, find_warnings
-from moseg_core.search.workers import read_workers
+from moseg_core.search.run import Outcome
 from moseg_core.shape.coarse import coarse_pins
 from moseg_core.shape.pins import read_pins
 from moseg_core.shape.shape import Shape
-
-_KINDS: tuple[Kind, ...] = ("parameterization", "seeder", "labeler", "optimizer")
 
 
 def segment(
     shape: Shape,
     problem: Problem,
     *,
-    method: Method | None = None,
-    seeder: str | Mapping[str, Any] | Choice | None = None,
-    labeler: str | Mapping[str, Any] | Choice | None = None,
-    optimizer: str | Mapping[str, Any] | Choice | None = None,
-    parameterization: str | Mapping[str, Any] | Choice | None = None,
+    seeder: ComponentChoice = None,
+    labeler: ComponentChoice = None,
+    optimizer: ComponentChoice = None,
+    parameterization: ComponentChoice = None,
     start: Centers | Result | None = None,
     freeze: Sequence[str] = (),
     pins: Mapping[str, npt.ArrayLike] | None = None,
@@ -68,6 +61,7 @@ def segment(
     seed: int = 0,
     max_seconds: float | None = None,
     workers: int = 1,
+    defaults: SearchOptions | None = None,
     report: Report | None = None,
 ) -> Result:
     """Find the labelled segmentation of a shape that satisfies a problem best.
@@ -76,10 +70,8 @@ def segment(
     ----------
     shape : Shape
     problem : Problem
-    method : Method, optional
-        All components at once, as a recipe holds them; the paper's by default.
     seeder, labeler, optimizer, parameterization : str, mapping or Choice, optional
-        Single components, instead of those of `method`: ``"pattern_search(expansion=2)"``.
+        Components: ``"pattern_search(expansion=2)"``. By default the paper's.
     start : Centers or Result, optional
         Go on from these centres, one per label in the problem's order, instead of seeding.
     freeze : sequence of str
@@ -89,16 +81,16 @@ def segment(
     restarts : int, optional
         Number of starts, each with random numbers of its own. They share a limit on evaluations
         and seconds; the best result is returned, the costs of all are in its history. By default
-        what the method or the settings say, and one where it would be the same every time.
+        what the settings say, and one where it would be the same every time.
     finalists : int, optional
         How many of the starts, the best after a while, go on to the end; all where there is a
-        limit on evaluations. By default what the method or the settings say.
+        limit on evaluations. By default what the settings say.
     resolution : int or "full", optional
         Number of super-elements on which to seed and search, where the shape has more than 1.5
-        times as many elements. By default what the method or the settings say.
+        times as many elements. By default what the settings say.
     settings : str
-        What decides where the rest does not: ``default``, or ``paper`` for the paper's
-        parameters, one start and full resolution (see :func:`moseg_core.problem.settings.settled`).
+        What decides where the rest does not: ``default``, or ``paper`` for the paper's parameters,
+        one start and full resolution.
     seed : int
         Seed of the random generator; the same seed gives the same result.
     max_seconds : float, optional
@@ -106,9 +98,12 @@ def segment(
     workers : int
         Number of processes to share the starts among, where the system can fork them; it makes no
         difference to the result.
+    defaults : SearchOptions, optional
+        What to use where none of these options says anything, such as a recipe's: see
+        :meth:`moseg_core.SearchOptions.settled`.
     report : callable, optional
-        Receives a :class:`moseg_core.components.protocols.Progress` now and then; ends the run with
-        the best found so far by returning True.
+        Receives a :class:`moseg_core.Progress` now and then; ends the run with the best found so
+        far by returning True.
 
     Returns
     -------
@@ -133,68 +128,111 @@ def segment(
     >>> result.labels.shape == (shape.n_elements,)
     True
     """
+    options = SearchOptions(
+        parameterization=parameterization,
+        seeder=seeder,
+        labeler=labeler,
+        optimizer=optimizer,
+        resolution=resolution,
+        restarts=restarts,
+        finalists=finalists,
+        settings=settings,
+        seed=seed,
+        max_seconds=max_seconds,
+        workers=workers,
+    )
+    return solve(
+        shape,
+        problem,
+        options,
+        defaults=defaults,
+        start=start,
+        freeze=freeze,
+        pins=pins,
+        report=report,
+    )
+
+
+def solve(
+    shape: Shape,
+    problem: Problem,
+    options: SearchOptions,
+    *,
+    defaults: SearchOptions | None = None,
+    start: Centers | Result | None = None,
+    freeze: Sequence[str] = (),
+    pins: Mapping[str, npt.ArrayLike] | None = None,
+    report: Report | None = None,
+) -> Result:
+    """The same as :func:`segment`, with the options in one piece.
+
+    Check the request; embed the shape (Sec. 9), group its elements, and make an evaluator for
+    each of the two; run the starts; partition the input's elements by the best vector found.
+    """
     if not isinstance(shape, Shape):
         raise UsageError(f"segment takes a Shape, from moseg.load(path), not {shape!r:.60}")
     if isinstance(problem, Hierarchy):
         raise UsageError("segment takes one Problem; give a Hierarchy to segment_hierarchy")
     if not isinstance(problem, Problem):
         raise UsageError(f"segment takes a Problem, not {problem!r:.60}")
-    given: dict[str, str | Mapping[str, Any] | Choice | None] = {
-        "parameterization": parameterization,
-        "seeder": seeder,
-        "labeler": labeler,
-        "optimizer": optimizer,
-    }
-    chosen = settled(method or Method(), settings)
-    extent = {
-        "resolution": chosen.resolution if resolution is None else resolution,
-        "restarts": chosen.restarts if restarts is None else restarts,
-        "finalists": chosen.finalists if finalists is None else finalists,
-    }
-    size, starts = read_resolution(extent["resolution"]), read_restarts(extent["restarts"])
-    last, processes = read_finalists(extent["finalists"]), read_workers(workers)
-    given["seeder"] = tuned(
-        chosen.seeder if seeder is None else Choice.read(seeder, "seeder"), settings
-    )
-    ready = prepare_method(problem, chosen, given)
-    limited = ready["optimizer"].parameters.get("max_evaluations") is not None
-    if restarts is None and limited and (method is None or method.restarts is None):
-        starts = 1
-    check_limits(seed, max_seconds)
-    if size != "full" and int(size) < len(problem.labels):
-        raise UsageError(f"a resolution of {size} is too low for {len(problem.labels)} labels")
-    frozen = check_frozen(problem, freeze)
-    begin = _start_centers(start, problem)
-    pinned = read_pins(pins or {}, problem.labels, shape.n_elements)
+    settled = options.settled(defaults)
+    ready = prepare_components(problem, settled)
     n = len(problem.labels)
-    deadline = None if max_seconds is None else time.monotonic() + max_seconds
-    place = problem.embed(shape)
-    whole = ProblemEvaluator(place, problem, ready["parameterization"].make(place, n), pins=pinned)
+    settled.check_resolution(n)
+    frozen = check_frozen(problem, freeze)
+    start_centers = _start_centers(start, problem)
+    pinned = read_pins(pins or {}, problem.labels, shape.n_elements)
+    seconds = settled.max_seconds
+    deadline = None if seconds is None else time.monotonic() + seconds
+    embedded = problem.embed(shape)
+    whole = ProblemEvaluator(
+        embedded, problem, ready["parameterization"].make(embedded, n), pins=pinned
+    )
     listener = Listener(report or _silent)
 
-    level = searched_shape(place, size, pinned)
+    coarse = searched_shape(embedded, settled.resolution, pinned)
     rough = whole
-    if level is not place:
-        partition: Parameterization = ready["parameterization"].make(level, n)
+    if coarse is not embedded:
+        partition: Parameterization = ready["parameterization"].make(coarse, n)
         rough = ProblemEvaluator(
-            level, problem, partition, pins=coarse_pins(pinned, level), input=whole
+            coarse, problem, partition, pins=coarse_pins(pinned, coarse), input=whole
         )
-        ready = rougher(ready, settings)
+        ready = rougher(ready, settled.settings)
     plan = Plan(
         rough=rough,
         whole=whole,
-        ready=shared_budget(ready, starts),
-        restarts=starts,
-        finalists=last,
-        seed=seed,
-        start=begin,
+        ready=shared_budget(ready, settled.restarts),
+        restarts=settled.restarts,
+        finalists=settled.finalists,
+        seed=settled.seed,
+        start=start_centers,
         frozen=frozen,
         deadline=deadline,
-        repeats=restarts is not None,
+        repeats=options.restarts is not None,
     )
-    outcomes, best = carry_out(plan, processes, listener)
+    outcomes, best = carry_out(plan, settled.workers, listener)
+    result = _result(shape, plan, settled, ready, outcomes, best, interrupted=listener.stopped)
+    if best.failure is not None:
+        best.failure.result = result
+        raise best.failure
+    return result
+
+
+def _result(
+    shape: Shape,
+    plan: Plan,
+    settled: SettledOptions,
+    ready: Mapping[Kind, Ready],
+    outcomes: Sequence[Outcome],
+    best: Outcome,
+    *,
+    interrupted: bool,
+) -> Result:
+    """The best of what was found, with all that there is to tell of how it was."""
+    whole = plan.whole
+    problem = whole.problem
     reason = best.reason
-    if listener.stopped and best.failure is None:
+    if interrupted and best.failure is None:
         reason = "interrupted"
     elif "seconds" in (reason, *(outcome.reason for outcome in outcomes)):
         reason = "seconds"
@@ -207,14 +245,17 @@ def segment(
         raise best.failure or error from None  # once more what had ended the run
     warnings = [outcome.warning for outcome in outcomes[:1] if outcome.warning]
     warnings += find_warnings(evaluation, segmentation, problem.labels, reason)
-    warnings += disagreement(outcomes) if restarts is not None else []
+    warnings += disagreement(outcomes) if plan.repeats else []
     history = dict(best.history)
-    if starts > 1 and outcomes and (len(outcomes) > 1 or restarts is not None):
+    if plan.restarts > 1 and outcomes and (len(outcomes) > 1 or plan.repeats):
         history["restarts"] = tuple(
             {"value": o.cost.value, "empty": o.cost.empty, "finalist": int(o.reason != "paused")}
             for o in outcomes
         )
-    result = Result(
+    chosen: dict[str, str] = {
+        kind: str(Choice(ready[kind].component.id, ready[kind].parameters)) for kind in SEARCH_KINDS
+    }
+    return Result(
         shape=shape,
         problem=problem,
         labels=labels,
@@ -222,26 +263,19 @@ def segment(
         centers=whole.parameterization.decode(best.vector),
         history=history,
         method={
-            **{
-                kind: str(Choice(ready[kind].component.id, ready[kind].parameters))
-                for kind in _KINDS
-            },
+            **chosen,
             **({"embedding": str(problem.embedding)} if problem.embedding else {}),
-            "settings": settings,
-            "resolution": str(size),
-            "restarts": str(starts if stopped else len(outcomes)),
-            "finalists": str(last),
+            "settings": settled.settings,
+            "resolution": str(settled.resolution),
+            "restarts": str(plan.restarts if stopped else len(outcomes)),
+            "finalists": str(settled.finalists),
         },
-        seed=seed,
+        seed=settled.seed,
         versions=_versions(problem, ready),
         reason=reason,
         dimension=(whole.constraints.n_free, whole.constraints.n_all),
         warnings=tuple(warnings),
     )
-    if best.failure is not None:
-        best.failure.result = result
-        raise best.failure
-    return result
 
 
 def _start_centers(start: Centers | Result | None, problem: Problem) -> Centers | None:
@@ -304,22 +338,6 @@ def matched_centers(
     return Centers(positions=centers.positions[order], weights=centers.weights[order])
 
 
-def check_limits(seed: int, max_seconds: float | None) -> None:
-    """Refuse a seed or a time limit that makes no sense.
-
-    Raises
-    ------
-    UsageError
-        The seed is negative or not whole, or the limit is not a positive number.
-    """
-    if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)):
-        raise UsageError(f"the seed must be a whole number, not {seed!r}")
-    if seed < 0:
-        raise UsageError(f"the seed must not be negative, and is {seed}")
-    if max_seconds is not None and not 0 <= max_seconds < math.inf:
-        raise UsageError(f"the limit on seconds must not be negative, and is {max_seconds}")
-
-
 def check_frozen(problem: Problem, freeze: Sequence[str]) -> list[int]:
     """Indices of the labels to freeze.
 
@@ -336,32 +354,21 @@ def check_frozen(problem: Problem, freeze: Sequence[str]) -> list[int]:
     return [problem.labels.index(name) for name in freeze]
 
 
-def prepare_method(
-    problem: Problem,
-    method: Method,
-    given: Mapping[str, str | Mapping[str, Any] | Choice | None] | None = None,
-) -> dict[Kind, Ready]:
+def prepare_components(problem: Problem, options: SettledOptions) -> dict[Kind, Ready]:
     """Find, load and check the components of a run.
 
     Parameters
     ----------
     problem : Problem
         Says where to look.
-    method : Method
-    given : mapping of kind to choice or None, optional
-        Choices that replace those of the method.
+    options : SettledOptions
 
     Raises
     ------
     UsageError, PluginError
         See :func:`moseg_core.components.chosen.prepare`.
     """
-    ready = {}
-    for kind in _KINDS:
-        chosen = (given or {}).get(kind)
-        choice = getattr(method, kind) if chosen is None else Choice.read(chosen, kind)
-        ready[kind] = prepare(choice, kind, problem.registry)
-    return ready
+    return {kind: prepare(getattr(options, kind), kind, problem.registry) for kind in SEARCH_KINDS}
 
 
 def _versions(problem: Problem, ready: Mapping[Kind, Ready]) -> dict[str, str]:

@@ -25,7 +25,7 @@ from types import TracebackType
 from typing import Any, Self
 
 from moseg_core.components.protocols import Progress, Report
-from moseg_core.errors import MosegError, PluginError, UsageError
+from moseg_core.errors import MosegError, PluginError
 
 Task = Callable[..., Any]
 """Called with its arguments and ``report``."""
@@ -38,21 +38,6 @@ def available_workers() -> int:
     """Processors that this process may use, where the system tells; all of them elsewhere."""
     affinity = getattr(os, "sched_getaffinity", None)
     return len(affinity(0)) if affinity is not None else os.cpu_count() or 1
-
-
-def read_workers(given: object) -> int:
-    """A number of processes.
-
-    Raises
-    ------
-    UsageError
-        Not a whole number, or none at all.
-    """
-    if isinstance(given, bool) or not isinstance(given, int):
-        raise UsageError(f"the number of workers must be a whole number, not {given!r}")
-    if given < 1:
-        raise UsageError(f"there must be at least one worker, not {given}")
-    return given
 
 
 #: Seconds that a process has to end after it was told to.

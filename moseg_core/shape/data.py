@@ -10,9 +10,10 @@ remembers which; nothing else tells the two apart.
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Hashable
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 import numpy.typing as npt
@@ -146,6 +147,19 @@ class Measured:
     def input(self) -> Self:
         """The shape of input elements: `fine`, or the shape itself."""
         return self if self.fine is None else self.fine
+
+    @cached_property
+    def made_from(self) -> dict[Hashable, Any]:
+        """What was made of this shape and lasts as long as it does, by what made it.
+
+        Whatever refers back to its shape, as an embedded shape does to its original, is kept here:
+        a table elsewhere would keep both alive for good.
+        """
+        return {}
+
+    def __getstate__(self) -> dict[str, Any]:
+        # What was made of the shape is large, and made anew where it is needed.
+        return {key: value for key, value in self.__dict__.items() if key != "made_from"}
 
     @cached_property
     def sizes(self) -> IntArray:

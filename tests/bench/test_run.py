@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+from dataclasses import replace
 from itertools import combinations
 from statistics import fmean
 
@@ -211,9 +212,8 @@ def test_seeds_and_recipes_are_read():
 
 def test_names_that_do_not_match_are_not_scored(psb):
     recipe = load_recipe(str(psb / "capsule.toml"))
-    strange = type(recipe)(
-        name="strange", labels=("up", "down"), minimize="narrow(up)", method=recipe.method
-    )
+    stated = replace(recipe.statement, labels=("up", "down"), minimize="narrow(up)")
+    strange = replace(recipe, name="strange", statement=stated)
     row, _ = run_case(
         Case(model=find_models(psb)[0], method="paper", recipe=strange), report=silent
     )

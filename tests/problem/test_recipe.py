@@ -10,7 +10,8 @@ from moseg_core.components.discovery.specs import ObjectiveSpec
 from moseg_core.errors import ExpressionError, MosegError, PluginError, UsageError
 from moseg_core.problem.problem import Problem
 from moseg_core.problem.recipe import Recipe, load_recipe, parse_recipe
-from moseg_core.problem.settings import Method
+from moseg_core.problem.settings import SearchOptions
+from moseg_core.problem.statement import Statement
 
 LEAST = 'labels = ["a"]\nminimize = "narrow(a)"\n'
 
@@ -34,7 +35,7 @@ def test_a_recipe_in_full():
     assert recipe.name == "mine"
     assert recipe.labels == ("handle", "head")
     assert recipe.description == "A narrow handle with a head set across it."
-    assert recipe.method == Method(
+    assert recipe.statement.search == SearchOptions(
         parameterization=Choice("voronoi", {"connected": False}),
         seeder=Choice("kmeans", {"rounds": 5.0}),
         labeler=Choice("core:hungarian"),
@@ -46,7 +47,7 @@ def test_a_recipe_in_full():
 
 def test_a_recipe_at_least():
     assert parse_recipe(LEAST, "mine") == Recipe(
-        name="mine", labels=("a",), minimize="narrow(a)", method=Method(), description=""
+        name="mine", statement=Statement(labels=("a",), minimize="narrow(a)")
     )
 
 
@@ -180,7 +181,7 @@ def test_every_installed_recipe_makes_a_problem_and_a_method(component):
     problem = Problem(recipe.labels, recipe.minimize)
     assert problem.unary_terms
     for kind in ("parameterization", "seeder", "labeler", "optimizer"):
-        prepare(getattr(recipe.method, kind), kind, registry())
+        prepare(getattr(recipe.statement.search.settled(), kind), kind, registry())
 
 
 def test_a_mistake_in_the_expression_shows_with_the_problem():

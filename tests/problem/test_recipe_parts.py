@@ -30,11 +30,10 @@ def test_a_table_for_a_part_is_a_recipe():
         """,
         "mine",
     )
-    parts = dict(recipe.parts)
+    parts = dict(recipe.statement.parts)
     assert list(parts) == ["head", "leg1", "leg2"]
-    assert parts["head"].name == "mine/head"
-    assert parts["head"].method.seeder == Choice("kmeans", {"rounds": 5})
-    assert parts["head"].method.restarts == 2
+    assert parts["head"].search.seeder == Choice("kmeans", {"rounds": 5})
+    assert parts["head"].search.restarts == 2
     assert parts["leg1"] == parts["leg2"]
     task = recipe.hierarchy()
     assert task.labels == (
@@ -46,7 +45,7 @@ def test_a_table_for_a_part_is_a_recipe():
         "leg2/thigh",
         "leg2/shin",
     )
-    assert task.children["head"].method.restarts == 2
+    assert task.children["head"].search.restarts == 2
     assert recipe.problem().labels == ("head", "leg1", "leg2")
 
 
@@ -58,7 +57,7 @@ def test_the_order_of_tables_does_not_matter():
 def test_an_installed_recipe_for_a_part():
     recipe = parse_recipe(f'{TOP}[parts.head]\nrecipe = "hammer"', "mine")
     assert recipe.hierarchy().labels[:2] == ("head/handle", "head/head")
-    assert dict(recipe.parts)["head"] == load_recipe("hammer")
+    assert dict(recipe.statement.parts)["head"] == load_recipe("hammer").statement
 
 
 def test_paths_are_relative_to_the_file_that_gives_them(tmp_path, monkeypatch):
@@ -129,4 +128,4 @@ def test_parts_of_a_bundles_recipe_mean_its_own_objectives():
         [*others.bundles, Bundle("rival", "rival", "1.0", "rival", components=(rival,))]
     )
     beside = load_recipe("symmetry_then_convex", source=crowded)
-    assert {part.minimize for _, part in beside.parts} == {"basic:convex_parts"}
+    assert {part.minimize for _, part in beside.statement.parts} == {"basic:convex_parts"}

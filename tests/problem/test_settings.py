@@ -12,7 +12,7 @@ from moseg_core.builtin.pattern_search import PatternSearch
 from moseg_core.components.chosen import Choice, prepare
 from moseg_core.components.discovery.registry import registry
 from moseg_core.errors import ExpressionError, PluginError, ShapeError, UsageError
-from moseg_core.problem.settings import Method
+from moseg_core.problem.settings import SearchOptions
 
 
 @pytest.mark.parametrize(
@@ -65,9 +65,9 @@ def test_a_truth_value_reads_back_as_itself():
 
 
 def test_the_defaults_are_installed_and_need_no_parameters():
-    method = Method()
+    settled = SearchOptions().settled()
     for kind in ("parameterization", "seeder", "labeler", "optimizer"):
-        ready = prepare(getattr(method, kind), kind, registry())
+        ready = prepare(getattr(settled, kind), kind, registry())
         assert ready.component.bundle == "core"
         assert ready.parameters == {}
 

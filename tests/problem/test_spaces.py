@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import gc
+import pickle
+import weakref
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -167,6 +172,19 @@ def test_an_embedding_is_computed_once_and_only_where_it_is_needed():
     assert found.embed(SHAPE) is first
     assert CALLS == ["capsule"]
     assert (first.space, first.original) == ("stretched", SHAPE)
+    # Another problem with the same embedding shares it; other parameters are another embedding.
+    assert problem("flat(a)", embedding="stretched(by=2)").embed(SHAPE) is first
+    assert problem("flat(a)", embedding="stretched(by=3)").embed(SHAPE) is not first
+
+
+def test_a_problem_keeps_no_shape_alive_that_it_embedded():
+    found = problem("narrow(a)", embedding="stretched(by=2)")
+    shape = Shape.from_mesh(SHAPE.geometry.vertices, SHAPE.geometry.triangles)
+    found.embed(shape)
+    assert len(pickle.dumps(shape)) < 1.1 * len(pickle.dumps(replace(shape)))
+    shape = weakref.ref(shape)
+    gc.collect()
+    assert shape() is None
 
 
 @pytest.mark.parametrize(

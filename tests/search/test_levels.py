@@ -270,7 +270,7 @@ def test_no_time_at_all_still_divides():
         ({"resolution": 1}, UsageError, "a resolution of 1 is too low for the 2 labels"),
         ({"seeder": "kmean"}, UsageError, "did you mean 'kmeans'"),
         ({"seed": -1}, UsageError, "must not be negative"),
-        ({"sed": 1}, TypeError, "unexpected options sed"),
+        ({"sed": 1}, TypeError, "unexpected keyword argument 'sed'"),
     ],
 )
 def test_options_are_checked_before_the_search(options, error, message):
@@ -299,11 +299,12 @@ def test_results_of_several_levels_are_saved_and_read_back(result, tmp_path):
     saved = read_result(tmp_path / "beam.json")
     assert saved.names == result.problem.labels
     assert saved.evaluation == result.evaluation
-    assert saved.minimize == str(WHOLE.expression)
-    assert [(level["path"], level["minimize"]) for level in saved.levels] == [
+    assert [(path, level.minimize) for path, level in saved.statement.levels()] == [
         ("", str(WHOLE.expression)),
         ("rest", str(REST.expression)),
     ]
+    assert saved.statement.alone() == result.problem.statement.alone()
+    assert str(saved.search("rest").optimizer) == result.method["rest: optimizer"]
     np.testing.assert_array_equal(saved.centers.positions, result.centers.positions)
     for suffix in ("json", "seg", "ply"):
         read = read_labels(tmp_path / f"beam.{suffix}", SHAPE.n_elements)

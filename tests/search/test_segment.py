@@ -15,7 +15,7 @@ from moseg_core.components.protocols import Centers
 from moseg_core.components.segmentation import Segmentation
 from moseg_core.errors import ShapeError, UsageError
 from moseg_core.problem.problem import Problem
-from moseg_core.problem.settings import Method
+from moseg_core.problem.settings import SearchOptions
 from moseg_core.search.segment import segment
 from moseg_core.shape.shape import Shape
 from tests import references, shapes
@@ -130,15 +130,15 @@ def test_labels_go_to_the_parts_that_suit_them():
         assert found.parts["bar"].area < found.parts["stem"].area
 
 
-def test_a_method_and_single_components_may_be_given():
-    method = Method(
+def test_defaults_and_single_components_may_be_given():
+    defaults = SearchOptions(
         seeder=Choice("kmeans", {"rounds": 1}),
         optimizer=Choice("pattern_search", {"max_evaluations": 3}),
     )
-    one = segment(SHAPE, problem_of(), method=method)
+    one = segment(SHAPE, problem_of(), defaults=defaults)
     assert one.method["seeder"] == "core:kmeans(rounds=1)"
     assert one.history["search"][-1]["evaluations"] == 3
-    two = segment(SHAPE, problem_of(), method=method, seeder="core:kmeans")
+    two = segment(SHAPE, problem_of(), defaults=defaults, seeder="core:kmeans")
     assert two.history["search"][-1]["evaluations"] == 3
     assert two.method["seeder"] == "core:kmeans"
 

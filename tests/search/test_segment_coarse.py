@@ -16,7 +16,7 @@ from moseg_core.components.protocols import Centers
 from moseg_core.components.segmentation import Segmentation
 from moseg_core.errors import UsageError
 from moseg_core.problem.problem import Problem
-from moseg_core.problem.settings import Method
+from moseg_core.problem.settings import SearchOptions
 from moseg_core.search.segment import segment
 from moseg_core.shape.coarse import coarsen
 from moseg_core.shape.shape import Shape
@@ -105,11 +105,15 @@ def test_a_run_without_random_numbers_is_not_repeated():
 
 
 def test_settings_of_the_paper():
-    method = Method(
+    defaults = SearchOptions(
         seeder=Choice("kmeans", {"rounds": 3}), optimizer=Choice("pattern_search"), restarts=5
     )
     found = segment(
-        SHAPE, PROBLEM, method=method, settings="paper", optimizer="pattern_search(threshold=0.01)"
+        SHAPE,
+        PROBLEM,
+        defaults=defaults,
+        settings="paper",
+        optimizer="pattern_search(threshold=0.01)",
     )
     assert found.method == {
         "parameterization": "core:voronoi",
@@ -218,7 +222,7 @@ def test_a_coarse_result_that_loses_a_part_comes_last(monkeypatch):
     [
         ({"resolution": 0}, "resolution must be 'full' or a number"),
         ({"resolution": "fine"}, "resolution must be 'full' or a number"),
-        ({"resolution": 1}, "a resolution of 1 is too low for 2 labels"),
+        ({"resolution": 1}, "a resolution of 1 is too low for the 2 labels"),
         ({"restarts": 0}, "at least one start, not 0"),
         ({"finalists": 0}, "at least one finalist, not 0"),
         ({"finalists": "two"}, "number of finalists must be a whole number, not 'two'"),

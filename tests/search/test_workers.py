@@ -13,7 +13,7 @@ import pytest
 
 from moseg_core.components.protocols import Progress
 from moseg_core.errors import ExpressionError, MosegError, PluginError, UsageError
-from moseg_core.search.workers import Workers, available_workers, read_workers
+from moseg_core.search.workers import Workers, available_workers
 
 
 def silent(progress):
@@ -192,7 +192,3 @@ def test_enough_is_enough(count):
 
 def test_numbers_of_workers():
     assert available_workers() >= 1
-    assert read_workers(3) == 3
-    for wrong in (0, -1, True, 2.0, "2"):
-        with pytest.raises(UsageError, match=r"workers must be|at least one worker"):
-            read_workers(wrong)

@@ -22,7 +22,7 @@ def solved(name: str) -> tuple[moseg.Result, np.ndarray]:
     truth = read_labels(moseg.sample_labels_path(name), shape.n_elements)
     recipe = moseg.load_recipe(name)
     problem = recipe.problem()
-    result = moseg.segment(shape, problem, method=recipe.method, workers=2)
+    result = moseg.segment(shape, problem, defaults=recipe.statement.search, workers=2)
     order = np.array([problem.labels.index(label) for label in truth.names])
     return result, order[truth.labels]
 

@@ -1,0 +1,160 @@
+"""Options that several commands share: each group is stated, explained and defaulted once.
+
+The command line fills in these records; :mod:`moseg_core.cli.request` makes a statement of a
+problem and search options of them, which know nothing of a command line. Imports nothing heavy:
+``moseg --help`` reads this module.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Annotated, Literal
+
+from cyclopts import Group, Parameter
+
+Repeated = Annotated[list[str] | None, Parameter(negative=())]
+Flag = Annotated[bool, Parameter(negative=())]
+
+# Sections of the help, in this order.
+_LOOKED_FOR = Group.create_ordered("What to look for")
+_READ = Group.create_ordered("How to read the shape")
+_SEARCHED = Group.create_ordered("How to search")
+_KNOWN = Group.create_ordered("What is known of this shape")
+
+
+@Parameter(name="*", group=_LOOKED_FOR)
+@dataclass(frozen=True, kw_only=True)
+class ProblemFlags:
+    """What to look for.
+
+    Parameters
+    ----------
+    recipe
+        Name of an installed recipe, or path of a TOML file.
+    labels
+        Names of the parts, separated by commas; instead of the recipe's.
+    minimize
+        What to minimise, such as "3*narrow(handle) + convex_parts"; instead of the recipe's.
+    embedding
+        Unfold the shape first and find the partition there: mds; "none" leaves the recipe's out.
+    space
+        Where terms are evaluated that do not say (narrow(arm) @ mds): original, or the embedding.
+    """
+
+    recipe: str | None = None
+    labels: str | None = None
+    minimize: str | None = None
+    embedding: str | None = None
+    space: str | None = None
+
+    @property
+    def anything(self) -> bool:
+        """Whether any of the options was given."""
+        return any(getattr(self, field.name) is not None for field in fields(self))
+
+
+@Parameter(name="*", group=_LOOKED_FOR)
+@dataclass(frozen=True, kw_only=True)
+class SearchedProblemFlags(ProblemFlags):
+    """What to look for, and what the centres must obey.
+
+    Parameters
+    ----------
+    constraint
+        What centres must obey: "mirror(leg2, leg1)", "on_plane(body)"; instead of the recipe's.
+        Repeatable; "none" leaves the recipe's out.
+    plane
+        The plane of symmetry: auto, x, y or z, or px,py,pz,nx,ny,nz (a point and the normal).
+    """
+
+    constraint: Repeated = None
+    plane: str | None = None
+
+
+@Parameter(name="*", group=_READ)
+@dataclass(frozen=True, kw_only=True)
+class ShapeFlags:
+    """How to read a shape.
+
+    Parameters
+    ----------
+    adjacency
+        Which elements touch: what the shape knows of it, the nearest as well, or none.
+    volume
+        Estimate the enclosed volume: a number, "hull" or "winding".
+    voxels
+        Whether all cells of a voxel grid are elements, or only those of its surface.
+    """
+
+    adjacency: Literal["auto", "knn", "none"] = "auto"
+    volume: str | None = None
+    voxels: Literal["solid", "surface"] = "solid"
+
+
+@Parameter(name="*", group=_SEARCHED)
+@dataclass(frozen=True, kw_only=True)
+class SearchFlags:
+    """How to search.
+
+    Parameters
+    ----------
+    seeder
+        How centres are first placed: a name, or name(key=number).
+    labeler
+        How labels are assigned to centres.
+    optimizer
+        How centres are refined, such as "pattern_search(max_evaluations=2000)".
+    parameterization
+        The family of segmentations to search, such as "voronoi(connected=false)".
+    restarts
+        Number of starts; the best result is kept. They share limits on evaluations and seconds.
+    finalists
+        How many of the starts, the best after a while, go on to the end.
+    resolution
+        Number of super-elements to search on, or "full"; the result is always exact.
+    settings
+        "paper" for the paper's parameters, one start, full resolution.
+    seed
+        Seed of the random generator.
+    max_seconds
+        End the search after about this time; the result then depends on the machine.
+    workers
+        Number of processes; as many as there are processors by default. The result is the same.
+    """
+
+    seeder: str | None = None
+    labeler: str | None = None
+    optimizer: str | None = None
+    parameterization: str | None = None
+    restarts: int | None = None
+    finalists: int | None = None
+    resolution: str | None = None
+    settings: Literal["default", "paper"] = "default"
+    seed: int = 0
+    max_seconds: float | None = None
+    workers: int | None = None
+
+
+@Parameter(name="*", group=_KNOWN)
+@dataclass(frozen=True, kw_only=True)
+class SteeringFlags:
+    """Where to begin, and what is known already of this one shape.
+
+    Parameters
+    ----------
+    centers
+        Place the centres by hand: label=x,y,z,label=x,y,z; the same as the seeder "given".
+    start
+        Go on from an earlier result (.json), also under another --minimize.
+    pin
+        Elements (faces, points or cells, counted from 0) that must bear a label: head=120,121.
+        Repeatable.
+    freeze
+        Labels, separated by commas, whose centres stay where they start.
+    """
+
+    centers: str | None = None
+    start: Path | None = None
+    pin: Repeated = None
+    freeze: str | None = None

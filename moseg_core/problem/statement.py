@@ -1,0 +1,164 @@
+"""What a user asks for, as plain data: one statement of a problem (Sec. 3, 8 and 9; Fig. 8).
+
+A problem is stated by the same few things wherever it is written down: names of the labels, the
+aggregate objective, constraints on the centres, the plane they need, an embedding and the space
+in which terms are evaluated, how the search is to be done, and the same again for parts that are
+segmented in their turn. A :class:`Statement` holds them as they were written. It is read from a
+recipe (:mod:`moseg_core.problem.recipe`), from a result (:mod:`moseg_core.io.result_json`) or from
+the command line (:mod:`moseg_core.cli.request`), and written to each of them. Two statements that
+are equal ask for the same, and :meth:`Statement.digest` tells in a few characters whether they do.
+
+No name is looked up here: that is what a :class:`~moseg_core.problem.problem.Problem` is made for,
+and so a statement can be read, shown and compared where its bundles are not installed.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from moseg_core.components.chosen import Choice
+from moseg_core.errors import UsageError, unknown
+from moseg_core.problem.settings import RECIPE_OPTIONS, SearchOptions
+
+SEPARATOR = "/"
+"""Between the labels of a path; no label contains it."""
+
+KEYS = ("labels", "minimize", "constraints", "plane", "embedding", "space", *RECIPE_OPTIONS)
+"""What a statement of one level is made of, by the names that recipes and results use."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Statement:
+    """A problem as it was asked for.
+
+    Parameters
+    ----------
+    labels : tuple of str
+    minimize : str
+        The aggregate objective.
+    constraints : tuple of str
+        Calls such as ``"mirror(leg2, leg1)"``.
+    plane : str or None
+        For constraints that need a plane and are not given one.
+    embedding : Choice or None
+        Where the partition lives.
+    space : str or None
+        Where terms are evaluated that do not say.
+    search : SearchOptions
+        How it is to be solved, as far as that is said: components, resolution, restarts, finalists.
+    parts : tuple of (str, Statement)
+        For labels whose part is segmented in its turn.
+
+    Examples
+    --------
+    >>> stated = Statement.read({"labels": ["a", "b"], "minimize": "narrow(a)", "restarts": 2})
+    >>> stated.document()
+    {'labels': ['a', 'b'], 'minimize': 'narrow(a)', 'restarts': 2}
+    >>> Statement.read(stated.document()) == stated
+    True
+    """
+
+    labels: tuple[str, ...]
+    minimize: str
+    constraints: tuple[str, ...] = ()
+    plane: str | None = None
+    embedding: Choice | None = None
+    space: str | None = None
+    search: SearchOptions = field(default_factory=SearchOptions)
+    parts: tuple[tuple[str, Statement], ...] = ()
+
+    @classmethod
+    def read(cls, table: Mapping[str, Any]) -> Statement:
+        """A statement of one level from plain data, as TOML and JSON hold it.
+
+        Parameters
+        ----------
+        table : mapping
+            ``labels`` and ``minimize``; others of :data:`KEYS` where they say something.
+
+        Raises
+        ------
+        UsageError
+            An unknown or missing key, or a value of the wrong kind.
+        """
+        for key in table:
+            if key not in KEYS:
+                raise UsageError(unknown("key", key, KEYS))
+        constraints = _texts(table, "constraints") if "constraints" in table else ()
+        embedding = table.get("embedding")
+        return cls(
+            labels=_texts(table, "labels"),
+            minimize=_text(table, "minimize"),
+            constraints=constraints,
+            plane=_text(table, "plane") if "plane" in table else None,
+            embedding=None if embedding is None else Choice.read(embedding, "embedding"),
+            space=_text(table, "space") if "space" in table else None,
+            search=SearchOptions(**{key: table[key] for key in RECIPE_OPTIONS if key in table}),
+        )
+
+    def document(self) -> dict[str, Any]:
+        """The same as plain data, what says nothing left out; parts under ``"parts"``."""
+        said: dict[str, Any] = {
+            "labels": list(self.labels),
+            "minimize": self.minimize,
+            "constraints": list(self.constraints),
+            "plane": self.plane,
+            "embedding": None if self.embedding is None else str(self.embedding),
+            "space": self.space,
+        }
+        for key in RECIPE_OPTIONS:
+            value = getattr(self.search, key)
+            said[key] = str(value) if isinstance(value, Choice) else value
+        said["parts"] = {label: part.document() for label, part in self.parts}
+        return {key: value for key, value in said.items() if value or key in ("labels", "minimize")}
+
+    def digest(self) -> str:
+        """Sixteen hexadecimal digits that equal statements share."""
+        text = json.dumps(self.document(), sort_keys=True)
+        return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+    def levels(self, path: str = "") -> Iterator[tuple[str, Statement]]:
+        """Every level with its path, "" for the whole; a part after what it is a part of."""
+        yield path, self
+        for label, part in self.parts:
+            yield from part.levels(joined(path, label))
+
+    def alone(self) -> Statement:
+        """The first level, without its parts."""
+        return replace(self, parts=())
+
+
+def joined(path: str, label: str) -> str:
+    """The path of a label at the end of another path.
+
+    Examples
+    --------
+    >>> joined("", "head"), joined("head", "ear1")
+    ('head', 'head/ear1')
+    """
+    return f"{path}{SEPARATOR}{label}" if path else label
+
+
+def _text(table: Mapping[str, Any], key: str) -> str:
+    if not isinstance(table.get(key), str):
+        raise UsageError(f"'{key}' must be a text; it is {_found(table, key)}")
+    text: str = table[key]
+    return text
+
+
+def _texts(table: Mapping[str, Any], key: str) -> tuple[str, ...]:
+    given = table.get(key)
+    if not isinstance(given, list | tuple):
+        raise UsageError(f"'{key}' must be a list of texts; it is {_found(table, key)}")
+    for item in given:
+        if not isinstance(item, str):
+            raise UsageError(f"'{key}' must be a list of texts; {item!r} is none")
+    return tuple(given)
+
+
+def _found(table: Mapping[str, Any], key: str) -> str:
+    return repr(table[key]) if key in table else "missing"

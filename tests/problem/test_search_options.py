@@ -1,0 +1,101 @@
+"""Search options: read once, put together once, and said in one way everywhere."""
+
+from __future__ import annotations
+
+import inspect
+from dataclasses import fields
+
+import numpy as np
+import pytest
+
+from moseg_core.cli.flags import SearchFlags, SteeringFlags
+from moseg_core.cli.request import read_search
+from moseg_core.components.chosen import Choice
+from moseg_core.errors import UsageError
+from moseg_core.problem.settings import OptionValues, SearchOptions, SettledOptions
+from moseg_core.search.segment import segment
+
+NAMES = {field.name for field in fields(SearchOptions)}
+
+
+def test_every_door_takes_the_same_options():
+    assert set(OptionValues.__annotations__) == NAMES
+    assert {field.name for field in fields(SettledOptions)} == NAMES
+    assert {field.name for field in fields(SearchFlags)} == NAMES
+    others = {"shape", "problem", "start", "freeze", "pins", "defaults", "report"}
+    assert set(inspect.signature(segment).parameters) == NAMES | others
+
+
+def test_values_are_read_when_the_options_are_made():
+    options = SearchOptions(
+        seeder="kmeans(rounds=5)", optimizer={"name": "x", "k": 2}, restarts="3", resolution="40"
+    )
+    assert options.seeder == Choice("kmeans", {"rounds": 5.0})
+    assert options.optimizer == Choice("x", {"k": 2})
+    assert (options.restarts, options.resolution) == (3, 40)
+    assert SearchOptions(seed=np.int64(3)).seed == 3
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"restarts": 0}, "there must be at least one start, not 0"),
+        ({"restarts": True}, "the number of starts must be a whole number, not True"),
+        ({"finalists": 0.5}, "the number of finalists must be a whole number, not 0.5"),
+        ({"resolution": "fine"}, "the resolution must be 'full' or a number of super-elements"),
+        ({"settings": "papr"}, "unknown settings 'papr'; did you mean 'paper'?"),
+        ({"seed": -1}, "the seed must not be negative, and is -1"),
+        ({"seed": 0.5}, "the seed must be a whole number, not 0.5"),
+        ({"max_seconds": float("nan")}, "the limit on seconds must not be negative, and is nan"),
+        ({"workers": 0}, "there must be at least one worker, not 0"),
+        ({"seeder": 3}, "seeder must be a name or a table with a name, not 3"),
+    ],
+)
+def test_values_that_make_no_sense_are_refused(given, message):
+    with pytest.raises(UsageError) as caught:
+        SearchOptions(**given)
+    assert str(caught.value).startswith(message)
+
+
+def test_the_request_goes_before_the_recipe_and_the_recipe_before_the_settings():
+    request = SearchOptions(labeler="greedy", restarts=3)
+    recipe = SearchOptions(labeler="exhaustive", seeder="evolution(population=9)", resolution=50)
+    found = request.settled(recipe)
+    assert str(found.labeler) == "greedy"
+    assert str(found.seeder) == "evolution(population=9)"
+    assert str(found.optimizer) == "pattern_search"
+    assert (found.restarts, found.resolution, found.finalists) == (3, 50, 2)
+
+
+def test_under_paper_the_request_keeps_its_parameters_and_the_recipe_its_names():
+    request = SearchOptions(settings="paper", optimizer="pattern_search(threshold=0.01)")
+    recipe = SearchOptions(
+        optimizer="other", seeder="evolution(population=9)", restarts=4, resolution=50
+    )
+    found = request.settled(recipe)
+    assert str(found.optimizer) == "pattern_search(threshold=0.01)"
+    assert str(found.seeder) == "evolution"
+    assert (found.restarts, found.resolution, found.finalists) == (1, "full", 1)
+
+
+@pytest.mark.parametrize(
+    ("request_", "recipe", "restarts"),
+    [
+        ({}, {}, 8),
+        ({"optimizer": "f(max_evaluations=9)"}, {}, 1),
+        ({}, {"optimizer": "f(max_evaluations=9)"}, 1),
+        ({"optimizer": "f"}, {"optimizer": "g(max_evaluations=9)"}, 8),
+        ({"optimizer": "f(max_evaluations=9)"}, {"restarts": 4}, 4),
+        ({"optimizer": "f(max_evaluations=9)", "restarts": 2}, {"restarts": 4}, 2),
+    ],
+)
+def test_one_start_where_evaluations_are_limited_and_nobody_says_more(request_, recipe, restarts):
+    assert SearchOptions(**request_).settled(SearchOptions(**recipe)).restarts == restarts
+
+
+def test_centres_by_hand_are_a_seeder():
+    steering = SteeringFlags(centers="a=0,0,0")
+    found = read_search(SearchFlags(workers=1), steering)
+    assert found.seeder == Choice("given", {"centers": "a=0,0,0"})
+    with pytest.raises(UsageError, match="--centers goes with the seeder 'given', not 'kmeans'"):
+        read_search(SearchFlags(seeder="kmeans"), steering)

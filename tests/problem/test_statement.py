@@ -1,0 +1,156 @@
+"""Statements: the same whether read from a recipe, a result or the command line."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from moseg_core import Hierarchy, Problem, load, sample_path, save, segment_hierarchy
+from moseg_core.cli.flags import SearchedProblemFlags
+from moseg_core.cli.request import read_statement
+from moseg_core.components.chosen import Choice
+from moseg_core.errors import UsageError
+from moseg_core.io import read_result
+from moseg_core.problem.recipe import Recipe, load_recipe, parse_recipe
+from moseg_core.problem.settings import SearchOptions
+from moseg_core.problem.statement import Statement
+
+WORDS = st.text(st.characters(exclude_categories=["Cs"]), max_size=9)
+NAMES = st.from_regex(r"[a-z][a-z0-9]{0,4}", fullmatch=True)
+CHOICES = st.builds(
+    Choice, NAMES, st.dictionaries(NAMES, st.integers(-9, 9).map(float), max_size=2)
+)
+SEARCHES = st.builds(
+    SearchOptions,
+    seeder=st.none() | CHOICES,
+    optimizer=st.none() | CHOICES,
+    restarts=st.none() | st.integers(1, 99),
+    resolution=st.none() | st.just("full") | st.integers(1, 9999),
+)
+
+
+def statements(parts):
+    return st.builds(
+        Statement,
+        labels=st.just(("a", "b")),
+        minimize=WORDS,
+        constraints=st.lists(WORDS, max_size=2).map(tuple),
+        plane=st.none() | st.sampled_from(["auto", "x"]),
+        embedding=st.none() | CHOICES,
+        space=st.none() | NAMES,
+        search=SEARCHES,
+        parts=parts,
+    )
+
+
+LEAVES = statements(st.just(()))
+TREES = statements(
+    st.dictionaries(st.sampled_from("ab"), LEAVES).map(lambda parts: tuple(sorted(parts.items())))
+)
+
+
+@given(LEAVES)
+def test_plain_data_reads_back_as_it_was(stated):
+    document = json.loads(json.dumps(stated.document()))
+    assert Statement.read(document) == stated
+
+
+@given(TREES, WORDS)
+def test_a_recipe_reads_back_as_it_was(stated, description):
+    recipe = Recipe(name="mine", statement=stated, description=description)
+    assert parse_recipe(recipe.toml(), "mine") == recipe
+
+
+@pytest.mark.parametrize("name", ["hammer", "horse", "bulldog", "dove", "octopus"])
+def test_the_command_line_and_the_recipe_say_the_same(name):
+    stated = load_recipe(name).statement
+    flags = SearchedProblemFlags(
+        labels=",".join(stated.labels),
+        minimize=stated.minimize,
+        constraint=list(stated.constraints) or None,
+        plane=stated.plane,
+        embedding=None if stated.embedding is None else str(stated.embedding),
+        space=stated.space,
+    )
+    assert read_statement(flags) == replace(stated, search=SearchOptions())
+
+
+def test_a_result_says_what_was_asked(tmp_path):
+    stated = Statement.read(
+        {
+            "labels": ["handle", "head"],
+            "minimize": "narrow(handle)",
+            "constraints": ["on_plane(handle)"],
+            "plane": "x",
+        }
+    )
+    parts = (("head", Statement(labels=("face", "claw"), minimize="compact(face)")),)
+    task = Hierarchy.of(replace(stated, parts=parts))
+    assert task.statement == replace(stated, parts=parts)
+    result = segment_hierarchy(
+        load(sample_path("hammer")), task, optimizer="pattern_search(max_evaluations=5)"
+    )
+    save(result, tmp_path / "hammer.json")
+    saved = read_result(tmp_path / "hammer.json")
+    assert saved.statement == task.statement
+    assert saved.search("head").optimizer == Choice("core:pattern_search", {"max_evaluations": 5})
+    with pytest.raises(UsageError, match="unknown level 'hed'; did you mean 'head'"):
+        saved.search("hed")
+    assert Hierarchy.of(saved.statement).labels == task.labels
+
+
+CHANGES = [
+    {"labels": ("a", "c")},
+    {"minimize": "flat(a)"},
+    {"constraints": ("on_plane(a)",)},
+    {"plane": "y"},
+    {"embedding": Choice("mds", {"refine": 3.0})},
+    {"space": "mds"},
+    {"search": SearchOptions(seeder="evolution")},
+    {"search": SearchOptions(restarts=2)},
+    {"parts": (("a", Statement(labels=("c",), minimize="narrow(c)")),)},
+]
+
+
+@pytest.mark.parametrize("change", CHANGES, ids=lambda change: next(iter(change)))
+def test_whatever_differs_shows_in_the_digest(change):
+    stated = Statement(labels=("a", "b"), minimize="narrow(a)")
+    assert replace(stated, **change).digest() != stated.digest()
+    assert replace(stated, **change) != stated
+    assert replace(stated).digest() == stated.digest() == Statement.read(stated.document()).digest()
+    assert hash(replace(stated, **change)) == hash(replace(stated, **change))
+
+
+def test_a_problem_keeps_its_statement():
+    problem = Problem(
+        ["a", "b"], "  narrow( a )+ 2*flat(b)", constraints=["on_plane(a, b)"], plane="x"
+    )
+    assert problem.statement == Statement(
+        labels=("a", "b"),
+        minimize="narrow(a) + 2*flat(b)",
+        constraints=("on_plane(a)", "on_plane(b)"),
+        plane="x",
+    )
+    assert Problem.of(problem.statement).statement == problem.statement
+
+
+@pytest.mark.parametrize(
+    ("table", "message"),
+    [
+        ({"label": []}, "unknown key 'label'; did you mean 'labels'"),
+        ({"minimize": "f"}, "'labels' must be a list of texts; it is missing"),
+        ({"labels": "a", "minimize": "f"}, "'labels' must be a list of texts; it is 'a'"),
+        ({"labels": ["a", 3], "minimize": "f"}, "'labels' must be a list of texts; 3 is none"),
+        ({"labels": ["a"], "minimize": "f", "plane": 3}, "'plane' must be a text; it is 3"),
+        ({"labels": ["a"], "minimize": "f", "restarts": 0}, "at least one start, not 0"),
+        ({"labels": ["a"], "minimize": "f", "embedding": 3}, "embedding must be a name or a table"),
+    ],
+)
+def test_what_is_no_statement(table, message):
+    with pytest.raises(UsageError) as caught:
+        Statement.read(table)
+    assert message in str(caught.value)
