@@ -42,9 +42,11 @@ class Part:
     ----------
     level : Shape
         The shape whose elements were labelled: the user's own, or a coarse one made from it.
-    level_labels : (F of `level`,) int32
-        The labelling, of which the part is the elements equal to `index`.
-    index : int
+    _level_labels : (F of `level`,) int32
+        The labelling, of which the part is the elements equal to `_index`. Private to the core:
+        values are remembered by the set of elements, whatever label it bears. To number parts,
+        enumerate :attr:`Segmentation.parts`.
+    _index : int
     n_elements : int
         Number of the user's elements.
     membership : (int, int)
@@ -67,8 +69,8 @@ class Part:
     """
 
     level: Shape
-    level_labels: Int32Array
-    index: int
+    _level_labels: Int32Array
+    _index: int
     n_elements: int
     membership: tuple[int, int]
     moments: FloatArray
@@ -79,13 +81,6 @@ class Part:
     def shape(self) -> Shape:
         """The whole that this is a part of, the user's shape."""
         return self.level.input
-
-    @cached_property
-    def labels(self) -> Int32Array:
-        """(F,) int32: the labelling of :attr:`shape`; the part is the elements at `index`."""
-        if self.level.members is None:
-            return self.level_labels
-        return self.level_labels[self.level.members]
 
     @property
     def area(self) -> float:
@@ -144,7 +139,7 @@ class Part:
     @cached_property
     def level_elements(self) -> IntArray:
         """(k,) int: numbers of the part's elements in :attr:`level`, ascending."""
-        return frozen(np.flatnonzero(self.level_labels == self.index))
+        return frozen(np.flatnonzero(self._level_labels == self._index))
 
     @property
     def points(self) -> FloatArray:
@@ -164,7 +159,9 @@ class Part:
             triangles = geometry.triangles[self.elements]
             used[triangles] = True
         else:
-            triangles = geometry.triangles[(self.labels == self.index)[geometry.triangle_polygon]]
+            inside = np.zeros(geometry.n_elements, np.bool_)
+            inside[self.elements] = True
+            triangles = geometry.triangles[inside[geometry.triangle_polygon]]
             used[geometry.corners[ranges(geometry.offsets, self.elements)]] = True
         compact = np.cumsum(used) - 1
         return frozen(geometry.vertices[used]), frozen(compact[triangles])
@@ -189,10 +186,10 @@ class Part:
         Enough for hulls, extents and whatever else only depends on what is furthest out; fewer
         than :attr:`vertices` on a part of a coarse shape, else the same.
         """
-        extremes = self.level.extremes
-        if extremes is None:
+        corners = self.level.hull_corners
+        if corners is None:
             return self.vertices
-        return frozen(self.shape.geometry.vertices[extremes.of(self.level_elements)])
+        return frozen(self.shape.geometry.vertices[corners.of(self.level_elements)])
 
     @cached_property
     def box_diagonal(self) -> float:

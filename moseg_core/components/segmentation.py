@@ -19,7 +19,7 @@ import numpy.typing as npt
 from moseg_core.components.discovery.registry import MeasureResolver, measure_resolver
 from moseg_core.components.memo import Memo
 from moseg_core.components.part import Part
-from moseg_core.errors import ShapeError
+from moseg_core.shape.labels import checked_labels
 from moseg_core.shape.shape import Shape
 from moseg_core.types import BoolArray, FloatArray, Int32Array, IntArray, frozen
 
@@ -158,7 +158,8 @@ class Segmentation:
         >>> [part.n_elements for part in Segmentation.from_labels(shape, [1], 2).parts]
         [0, 1]
         """
-        array = checked_labels(shape, labels, n_parts)
+        checked = checked_labels(shape, labels, n_parts)
+        array = frozen(np.array(checked, dtype=np.int32, order="C"))
         return cls(
             level=shape,
             level_labels=array,
@@ -193,8 +194,8 @@ class Segmentation:
         return tuple(
             Part(
                 level=self.level,
-                level_labels=self.level_labels,
-                index=k,
+                _level_labels=self.level_labels,
+                _index=k,
                 n_elements=counts[k],
                 membership=(hashes[k][0], hashes[k][1]),
                 moments=self.summary.moments[k],
@@ -203,24 +204,3 @@ class Segmentation:
             )
             for k in range(self.n_parts)
         )
-
-
-def checked_labels(shape: Shape, labels: npt.ArrayLike, n_parts: int) -> Int32Array:
-    """Labels as a (F,) int32 array, or a ShapeError that says what is wrong with them."""
-    try:
-        array = np.asarray(labels)
-    except ValueError as error:
-        raise ShapeError(f"labels must be one number per element: {error}") from error
-    if array.shape != (shape.n_elements,):
-        raise ShapeError(
-            f"a labelling needs one label per element, {shape.n_elements} for '{shape.name}',"
-            f" not an array of shape {array.shape}"
-        )
-    if not np.issubdtype(array.dtype, np.integer):
-        raise ShapeError(f"labels must be integers, not {array.dtype}")
-    if array.min() < 0 or array.max() >= n_parts:
-        wrong = int(np.argmax((array < 0) | (array >= n_parts)))
-        raise ShapeError(
-            f"element {wrong} has the label {array[wrong]}; allowed are 0 to {n_parts - 1}"
-        )
-    return frozen(np.array(array, dtype=np.int32, order="C"))

@@ -25,12 +25,12 @@ import numpy.typing as npt
 
 from moseg_core.components.cost import Cost
 from moseg_core.components.discovery.registry import Registry
-from moseg_core.components.segmentation import checked_labels
 from moseg_core.errors import UsageError, unknown
 from moseg_core.problem.aggregate import CallValue, Evaluation, TermValue
 from moseg_core.problem.problem import Problem
 from moseg_core.problem.settings import SearchOptions
 from moseg_core.problem.statement import SEPARATOR, Statement, joined
+from moseg_core.shape.labels import checked_labels
 from moseg_core.shape.shape import Shape
 from moseg_core.shape.subshape import subshape
 from moseg_core.types import IntArray

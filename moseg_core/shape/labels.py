@@ -1,51 +1,61 @@
-"""Labels of a shape's elements as numbers, checked before they are written or drawn."""
+"""Labels of elements as numbers, checked before anything is made of them."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from moseg_core.errors import ShapeError
+from moseg_core.shape.data import Measured
 from moseg_core.shape.geometry import Geometry
-from moseg_core.types import IntArray
 
 
-def checked_labels(geometry: Geometry, labels: npt.ArrayLike, names: Sequence[str]) -> IntArray:
-    """Labels as a (F,) int array, one for each element and each with a name.
+def checked_labels(
+    shape: Geometry | Measured, labels: npt.ArrayLike, n_labels: int
+) -> npt.NDArray[np.integer[Any]]:
+    """Labels as an array, one for each element, and none out of range.
 
     Parameters
     ----------
-    geometry : Geometry
+    shape : Geometry or Shape
+        Of F elements.
     labels : (F,) array_like of int
-        0 to ``len(names) - 1``.
-    names : sequence of str
+    n_labels : int
+        Labels are 0 to ``n_labels - 1``.
+
+    Returns
+    -------
+    (F,) integer array
+        Of the type given; the same array if it was one.
 
     Raises
     ------
     ShapeError
-        Not one integer label per element, or a label without a name.
+        Not one integer label per element, or a label out of range.
 
     Examples
     --------
     >>> from moseg_core.shape.mesh import PolygonMesh
     >>> mesh = PolygonMesh.from_faces([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
-    >>> checked_labels(mesh, [1], ["head", "handle"]).tolist()
+    >>> checked_labels(mesh, [1], 2).tolist()
     [1]
     """
-    array = np.asarray(labels)
-    noun, count = geometry.noun, geometry.n_elements
-    if array.shape != (count,) or not np.issubdtype(array.dtype, np.integer):
+    try:
+        array = np.asarray(labels)
+    except ValueError as error:
+        raise ShapeError(f"labels must be one number per {shape.noun}: {error}") from error
+    if array.shape != (shape.n_elements,):
         raise ShapeError(
-            f"a picture or mesh file needs one integer label for each of the {count}"
-            f" {noun}s, not an array of {array.dtype} of shape {array.shape}"
+            f"a labelling needs one label for each of the {shape.n_elements} {shape.noun}s, not"
+            f" an array of shape {array.shape}"
         )
-    wrong = (array < 0) | (array >= len(names))
-    if wrong.any():
-        element = int(np.argmax(wrong))
+    if not np.issubdtype(array.dtype, np.integer):
+        raise ShapeError(f"labels must be integers, not {array.dtype}")
+    if array.min() < 0 or array.max() >= n_labels:
+        wrong = int(np.argmax((array < 0) | (array >= n_labels)))
         raise ShapeError(
-            f"{noun} {element} has the label {array[element]}, which has no name;"
-            f" allowed are 0 to {len(names) - 1}"
+            f"{shape.noun} {wrong} has the label {array[wrong]}; allowed are 0 to {n_labels - 1}"
         )
-    return array.astype(np.int64)
+    return array

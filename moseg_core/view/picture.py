@@ -92,7 +92,7 @@ def render_picture(
     """
     from PIL import Image, ImageDraw
 
-    label = checked_labels(mesh, labels, names)
+    label = checked_labels(mesh, labels, len(names)).astype(np.int64)
     width, height = (int(side) for side in size)
     if not (_SMALLEST[0] <= width <= _LARGEST[0] and _SMALLEST[1] <= height <= _LARGEST[1]):
         raise UsageError(

@@ -329,7 +329,7 @@ class Unprintable:
 )
 def test_a_value_that_is_no_number_in_the_range_is_a_plugin_error(row, value, shown):
     def odd(part: Part, *, k: float = 1.0) -> float:
-        return value if part.index == 1 else 0.5
+        return value if part.elements[0] > 0 else 0.5  # b, not a
 
     made = problem("a b", "size(a) + 2*odd(a, b, k=3)", odd=objective(range=(0, 1))(odd))
     with pytest.raises(PluginError) as caught:

@@ -341,3 +341,31 @@ def test_a_part_measures_the_same_to_the_last_bit_whatever_the_others_are(seed, 
     assert bits(parts(others, memo)[7]) == first
     assert memo.hits == 1
     assert bits(parts(others, Memo(size=0))[7]) == first
+
+
+# --- labels --------------------------------------------------------------------------------------
+
+
+def test_a_part_does_not_know_its_label():
+    # Values are remembered by the set of elements: nothing that an objective can read may depend
+    # on what the set is called, or on how the rest is divided.
+    shape = Shape.from_mesh(*shapes.tee())
+    half = np.arange(shape.n_elements) % 2
+    first = Segmentation.from_labels(shape, half, 2).parts[1]
+    other = Segmentation.from_labels(
+        shape, np.where(half == 1, 0, 1 + np.arange(len(half)) // 9), 7
+    )
+    second = other.parts[0]
+    names = {name for name in dir(first) if not name.startswith("_")}
+    assert {"area", "elements", "measure", "triangles"} <= names
+    for name in sorted(names - {"memo"}):
+        one, two = getattr(first, name), getattr(second, name)
+        if name == "measures" or (callable(one) and name != "shape"):
+            continue
+        assert np.array_equal(one, two), name
+
+
+def test_an_objective_cannot_read_a_label():
+    part = whole(shapes.cube())
+    for name in ("index", "label", "labels", "level_labels"):
+        assert not hasattr(part, name)

@@ -23,15 +23,15 @@ def tee():
 @pytest.mark.parametrize(
     ("labels", "message"),
     [
-        ([0, 1], r"one label per element, 46 for 'tee', not an array of shape \(2,\)"),
+        ([0, 1], r"one label for each of the 46 faces, not an array of shape \(2,\)"),
         (np.zeros((46, 1), int), r"shape \(46, 1\)"),
         (3, r"shape \(\)"),
         (np.zeros(46), "labels must be integers, not float64"),
         (np.zeros(46, bool), "labels must be integers, not bool"),
         (["a"] * 46, "labels must be integers"),
-        ([0] * 40 + [-1] * 6, "element 40 has the label -1; allowed are 0 to 2"),
-        ([0] * 45 + [3], "element 45 has the label 3; allowed are 0 to 2"),
-        (np.array([0] * 45 + [2**32]), "element 45 has the label 4294967296"),
+        ([0] * 40 + [-1] * 6, "face 40 has the label -1; allowed are 0 to 2"),
+        ([0] * 45 + [3], "face 45 has the label 3; allowed are 0 to 2"),
+        (np.array([0] * 45 + [2**32]), "face 45 has the label 4294967296"),
     ],
 )
 def test_labels_that_do_not_fit_are_refused(tee, labels, message):

@@ -1,4 +1,4 @@
-"""Colours that stay apart, and checks of labels and colours."""
+"""Colours that stay apart, and checks of colours."""
 
 from __future__ import annotations
 
@@ -7,9 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from moseg_core.errors import ShapeError, UsageError
-from moseg_core.shape.labels import checked_labels
-from moseg_core.shape.mesh import PolygonMesh
+from moseg_core.errors import UsageError
 from moseg_core.view.palette import checked_colors, linear_light, part_colors
 
 # How linear sRGB is seen without one kind of cone (Machado, Oliveira and Fernandes 2009).
@@ -105,34 +103,6 @@ def test_linear_light_follows_the_standard():
     light = linear_light(np.array([[0, 10, 11], [128, 188, 255]], np.uint8))
     expected = [[0, 10 / 255 / 12.92, 0.0033465], [0.2158605, 0.5028865, 1]]
     np.testing.assert_allclose(light, expected, atol=1e-6)
-
-
-@pytest.fixture
-def two_faces():
-    return PolygonMesh.from_faces(
-        [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]], [[0, 1, 2], [1, 3, 2]]
-    )
-
-
-def test_labels_of_any_integer_type(two_faces):
-    labels = checked_labels(two_faces, np.array([1, 0], np.uint8), ["a", "b"])
-    assert labels.tolist() == [1, 0]
-    assert labels.dtype == np.int64
-
-
-@pytest.mark.parametrize(
-    ("labels", "message"),
-    [
-        ([0], "each of the 2 faces"),
-        ([[0, 1]], "each of the 2 faces"),
-        ([0.0, 1.0], "float64"),
-        ([0, 2], "face 1 has the label 2"),
-        ([-1, 0], "face 0 has the label -1"),
-    ],
-)
-def test_labels_that_do_not_fit(two_faces, labels, message):
-    with pytest.raises(ShapeError, match=message):
-        checked_labels(two_faces, labels, ["a", "b"])
 
 
 @pytest.mark.parametrize(

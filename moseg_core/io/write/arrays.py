@@ -41,7 +41,7 @@ def encode_npz(shape: Shape, labels: npt.ArrayLike, names: Sequence[str]) -> byt
     >>> found["labels"].tolist(), found["names"].tolist()
     ([0, 1, 1], ['a', 'b'])
     """
-    label = checked_labels(shape.geometry, labels, names)
+    label = checked_labels(shape.geometry, labels, len(names)).astype(np.int64)
     buffer = io.BytesIO()
     np.savez_compressed(
         buffer,
@@ -76,7 +76,7 @@ def encode_npy(shape: Shape, labels: npt.ArrayLike, names: Sequence[str]) -> byt
     >>> np.load(io.BytesIO(encode_npy(bar, [0, 1], ["a", "b"]))).tolist()
     [[[0, -1, 1]]]
     """
-    label = checked_labels(shape.geometry, labels, names)
+    label = checked_labels(shape.geometry, labels, len(names)).astype(np.int64)
     check_grid(shape)
     assert isinstance(shape.geometry, VoxelGrid)  # just checked
     buffer = io.BytesIO()

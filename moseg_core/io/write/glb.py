@@ -66,7 +66,7 @@ def encode_glb(
     from trimesh.visual import TextureVisuals
     from trimesh.visual.material import PBRMaterial
 
-    label = checked_labels(mesh, labels, names)
+    label = checked_labels(mesh, labels, len(names)).astype(np.int64)
     light = linear_light(checked_colors(colors, names))
     if len(set(names)) < len(names):
         twice = next(name for k, name in enumerate(names) if name in names[:k])

@@ -69,7 +69,7 @@ def encode_ply(
     >>> data.split(b"\n")[:3]
     [b'ply', b'format binary_little_endian 1.0', b'comment moseg label 0 tile']
     """
-    label = checked_labels(mesh, labels, names)
+    label = checked_labels(mesh, labels, len(names)).astype(np.int64)
     color = checked_colors(colors, names)[label]
     sizes = np.diff(mesh.offsets)
     length = "uchar" if sizes.max() < 256 else "int"
@@ -115,7 +115,7 @@ def encode_points_ply(
     >>> data.split(b"\n")[3]
     b'element vertex 3'
     """
-    label = checked_labels(shape.geometry, labels, names)
+    label = checked_labels(shape.geometry, labels, len(names)).astype(np.int64)
     normals = shape.geometry.normals if isinstance(shape.geometry, PointCloud) else None
     axes = ["x", "y", "z", *([] if normals is None else ["nx", "ny", "nz"])]
     row = np.dtype([("place", "<f8", len(axes)), ("color", "u1", 3), ("label", "<i4")])

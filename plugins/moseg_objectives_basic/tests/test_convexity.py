@@ -220,7 +220,9 @@ def test_nasty_parts_have_finite_hulls(nasty):
     for name, part in nasty.items():
         assert 0 <= hull_volume(part) < math.inf, name
         if part.shape.volume is not None:
-            whole = Segmentation.from_labels(part.shape, part.labels, part.labels.max() + 1)
+            rest = np.ones(part.shape.n_elements, int)
+            rest[part.elements] = 0
+            whole = Segmentation.from_labels(part.shape, rest, rest.max() + 1)
             assert 0 <= convex_parts(whole) < math.inf, name
     assert hull_volume(nasty["plate"]) == pytest.approx(1e-9, rel=1e-6)
     assert hull_volume(nasty["one side of a box"]) == 0

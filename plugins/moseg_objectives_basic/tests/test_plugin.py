@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from moseg_objectives_basic import plugin
 
-from moseg_core import Problem, Shape, registry
+from moseg_core import Problem, Segmentation, Shape, registry
 from moseg_core.components.protocols import Objective
 
 SECTION_10 = {
@@ -95,7 +95,7 @@ def calls(monkeypatch):
         original = getattr(module, name)
 
         def counted(part):
-            counts[name, part.index] += 1
+            counts[name, part.membership] += 1
             return original(part)
 
         monkeypatch.setattr(module, name, counted)
@@ -117,7 +117,8 @@ def test_measures_are_shared(make, calls):
     found = Problem(["a", "b"], expression).evaluate(shape, labels)
     assert np.isfinite(found.cost.value)
     names = ("surface_samples", "surface_tree", "hull_volume")
-    assert calls == {(name, k): 1 for name in names for k in (0, 1)}
+    parts = Segmentation.from_labels(shape, labels, 2).parts
+    assert calls == {(name, part.membership): 1 for name in names for part in parts}
 
 
 def test_cheap_objectives_measure_no_surface(make, calls):

@@ -173,5 +173,5 @@ def test_what_is_refused():
         encode_glb(mesh, labels, ["lid", "body", "lid"], COLORS)
     with pytest.raises(UsageError, match="3 parts need as many colours"):
         encode_glb(mesh, labels, NAMES, COLORS[:2])
-    with pytest.raises(ShapeError, match="has no name"):
+    with pytest.raises(ShapeError, match="has the label 2; allowed are 0 to 1"):
         encode_glb(mesh, labels, NAMES[:2], COLORS[:2])

@@ -129,7 +129,7 @@ def test_names_cannot_break_the_header():
 
 def test_labels_and_colors_that_do_not_fit():
     mesh = PolygonMesh.from_faces(CORNERS[:3], [[0, 1, 2]])
-    with pytest.raises(ShapeError, match="has the label 1, which has no name"):
+    with pytest.raises(ShapeError, match="face 0 has the label 1; allowed are 0 to 0"):
         encode_ply(mesh, [1], ["a"], COLORS[:1])
     with pytest.raises(ShapeError, match="each of the 1 faces"):
         encode_ply(mesh, [0, 0], ["a"], COLORS[:1])

@@ -42,7 +42,7 @@ def promises_too_much(part: Part) -> float:
 @objective(range=(0, math.inf))
 def counts_labels(part: Part) -> float:
     """It depends on how the rest of the shape is labelled."""
-    return float(len(np.unique(part.labels)))
+    return float(len(np.unique(part._level_labels)))
 
 
 @objective(range=(0, 1))
