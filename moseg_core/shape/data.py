@@ -2,9 +2,10 @@
 
 The data half of :class:`moseg_core.shape.shape.Shape`, of which the other half says how a shape
 comes about. Every element, whatever it is, has a place, an area and moments
-(:mod:`moseg_core.shape.moments`); the whole has a frame, maybe neighbours and a volume. A coarse
-version holds sums over groups of elements of a fine one (:mod:`moseg_core.shape.coarse`) and
-remembers which; nothing else tells the two apart.
+(:mod:`moseg_core.shape.moments`); the whole has a frame, maybe neighbours and a volume, both with
+where they came from (:mod:`moseg_core.shape.volume`). A coarse version holds sums over groups of
+elements of a fine one (:mod:`moseg_core.shape.coarse`) and remembers which; nothing else tells the
+two apart.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ import hashlib
 from collections.abc import Hashable
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, Self
+from typing import Any, Literal, Self, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -21,9 +22,12 @@ import numpy.typing as npt
 from moseg_core.errors import ShapeError
 from moseg_core.shape.adjacency import Adjacency, ranges
 from moseg_core.shape.geometry import Geometry
-from moseg_core.shape.hull_corners import Extremes, find_extremes
+from moseg_core.shape.hull_corners import HullCorners, find_hull_corners
 from moseg_core.shape.mesh import PolygonMesh
+from moseg_core.shape.volume.volume import Source, Volume
 from moseg_core.types import FloatArray, IntArray, frozen
+
+AdjacencySource: TypeAlias = Literal["auto", "knn", "none"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +55,7 @@ class Frame:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
-class Measured:
+class ShapeData:
     """Surface elements with their areas, moments and neighbours.
 
     Parameters
@@ -67,10 +71,10 @@ class Measured:
     frame : Frame
     adjacency : Adjacency or None
         None where it is not known: segments cannot then be kept connected.
-    volume : float or None, model units cubed
-        Enclosed volume; None where the surface encloses none.
-    volume_reason : str
-        Why there is no volume; empty where there is one.
+    adjacency_source : {"auto", "knn", "none"}
+        Whether it is what the geometry says, or what the user asked for.
+    enclosed : Volume
+        The volume that the elements enclose, with its source.
     geometry : Geometry
         What the elements stand for: a mesh, a point cloud or a voxel grid.
     notes : tuple of str
@@ -93,8 +97,8 @@ class Measured:
     second_moments: FloatArray
     frame: Frame
     adjacency: Adjacency | None
-    volume: float | None
-    volume_reason: str = ""
+    adjacency_source: AdjacencySource = "auto"
+    enclosed: Volume
     geometry: Geometry
     notes: tuple[str, ...] = ()
     space: str = "original"
@@ -113,6 +117,21 @@ class Measured:
     def n_elements(self) -> int:
         """Number of surface elements, F."""
         return len(self.areas)
+
+    @property
+    def volume(self) -> float | None:
+        """Enclosed volume, model units cubed; None where there is none."""
+        return self.enclosed.value
+
+    @property
+    def volume_source(self) -> Source | None:
+        """Where the volume came from, "exact", "user", "hull" or "winding"; None without one."""
+        return self.enclosed.source
+
+    @property
+    def volume_reason(self) -> str:
+        """Why there is no volume; empty where there is one."""
+        return self.enclosed.reason
 
     def in_space(self, space: str) -> Self:
         """The version of this shape in a space: itself, or the one it was deformed from.
@@ -205,11 +224,11 @@ class Measured:
         return np.sort(order[ranges(starts, elements)])
 
     @cached_property
-    def extremes(self) -> Extremes | None:
-        """Vertices that matter to the hull of each element; None where elements are the input's."""
+    def hull_corners(self) -> HullCorners | None:
+        """Corners of the convex hull of each element; None where elements are the input's."""
         if self.members is None:
             return None
-        return find_extremes(self.geometry, self.members, self.points)
+        return find_hull_corners(self.geometry, self.members, self.points)
 
     @cached_property
     def unit_points(self) -> FloatArray:
@@ -250,7 +269,8 @@ class Measured:
     @property
     def key(self) -> tuple[object, ...]:
         """What tells this shape from all others in the key of a remembered value."""
-        return (self.fingerprint, self.volume, self._links, self.space, self.resolution)
+        volume = (self.enclosed.value, self.enclosed.source)
+        return (self.fingerprint, *volume, self._links, self.space, self.resolution)
 
     @cached_property
     def _links(self) -> str:

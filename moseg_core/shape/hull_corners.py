@@ -1,11 +1,12 @@
-"""The corners that count: vertices without which convex hulls and extents come out the same.
+"""Corners of the convex hulls of super-elements, from which the hull of any part follows.
 
-The convex hull of a union of super-elements has its corners among the corners of *their* hulls,
-which are found once for a coarse shape: an inner vertex of a super-element that is bent inwards,
-saddle-shaped or flat never matters again. The same holds for blocks of super-elements that are in
-the part as a whole, for blocks of blocks, and so forth. Hull volumes and bounding boxes of coarse
-parts (:attr:`moseg_core.components.part.Part.extreme_vertices`) are then those of all vertices, up
-to rounding, at the price of a fraction of them.
+The convex hull of a union is the convex hull of the union of the hulls' corners. So the hull of a
+part of a coarse shape needs no vertices but the hull corners of its super-elements, which are found
+once for the shape: a vertex inside of the hull of its super-element is a corner of no part's hull.
+The same holds for blocks of super-elements that are in the part as a whole, for blocks of blocks,
+and so forth. Hull volumes and bounding boxes of coarse parts
+(:attr:`moseg_core.components.part.Part.extreme_vertices`) are then those of all vertices, up to
+rounding, at the price of a fraction of them.
 """
 
 from __future__ import annotations
@@ -26,8 +27,8 @@ _BLOCK = 8
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Extremes:
-    """Vertices that may be corners of a hull, by group of elements.
+class HullCorners:
+    """The corners of the convex hull of each group of elements.
 
     Parameters
     ----------
@@ -40,7 +41,7 @@ class Extremes:
         Of the geometry.
     blocks : (K,) int
         Which block of groups near each other each group belongs to.
-    of_blocks : Extremes or None
+    of_blocks : HullCorners or None
         The same for the blocks, as groups; None where there is only one.
     """
 
@@ -48,7 +49,7 @@ class Extremes:
     starts: IntArray
     n_vertices: int
     blocks: IntArray
-    of_blocks: Extremes | None
+    of_blocks: HullCorners | None
 
     def of(self, groups: IntArray) -> IntArray:
         """(m,) int: the vertices of some groups, ascending, each once."""
@@ -71,7 +72,7 @@ class Extremes:
         return sizes
 
 
-def find_extremes(geometry: Geometry, members: IntArray, points: FloatArray) -> Extremes:
+def find_hull_corners(geometry: Geometry, members: IntArray, points: FloatArray) -> HullCorners:
     """The corners of the convex hull of each group of elements, and of blocks of such groups.
 
     Parameters
@@ -84,7 +85,7 @@ def find_extremes(geometry: Geometry, members: IntArray, points: FloatArray) -> 
 
     Returns
     -------
-    Extremes
+    HullCorners
         All vertices of a group that lies in a plane, which has no hull to speak of.
 
     Examples
@@ -96,16 +97,16 @@ def find_extremes(geometry: Geometry, members: IntArray, points: FloatArray) -> 
     >>> f = [[0, 1, 8], [1, 3, 8], [3, 2, 8], [2, 0, 8], [4, 6, 7, 5], [0, 4, 5, 1],
     ...      [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
     >>> shape = moseg.Shape.from_mesh(v, f)
-    >>> find_extremes(shape.geometry, np.zeros(9, int), np.zeros((1, 3))).vertices.tolist()
+    >>> find_hull_corners(shape.geometry, np.zeros(9, int), np.zeros((1, 3))).vertices.tolist()
     [0, 1, 2, 3, 4, 5, 6, 7]
     """
     owner = np.repeat(members, np.diff(geometry.offsets))
-    return _extremes(geometry, owner, geometry.corners, points)
+    return _hull_corners(geometry, owner, geometry.corners, points)
 
 
-def _extremes(
+def _hull_corners(
     geometry: Geometry, owner: IntArray, vertices: IntArray, points: FloatArray
-) -> Extremes:
+) -> HullCorners:
     """The same from pairs of a group and a vertex, and so on for blocks, blocks of those, ..."""
     from scipy.spatial import cKDTree
 
@@ -117,8 +118,8 @@ def _extremes(
     if len(points) > _BLOCK:
         number = np.bincount(blocks)
         middle = np.stack([np.bincount(blocks, c) / number for c in points.T], axis=1)
-        of_blocks = _extremes(geometry, np.repeat(blocks, np.diff(starts)), vertices, middle)
-    return Extremes(
+        of_blocks = _hull_corners(geometry, np.repeat(blocks, np.diff(starts)), vertices, middle)
+    return HullCorners(
         vertices=vertices,
         starts=starts,
         n_vertices=len(geometry.vertices),

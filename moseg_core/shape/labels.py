@@ -8,12 +8,12 @@ import numpy as np
 import numpy.typing as npt
 
 from moseg_core.errors import ShapeError
-from moseg_core.shape.data import Measured
+from moseg_core.shape.data import ShapeData
 from moseg_core.shape.geometry import Geometry
 
 
 def checked_labels(
-    shape: Geometry | Measured, labels: npt.ArrayLike, n_labels: int
+    shape: Geometry | ShapeData, labels: npt.ArrayLike, n_labels: int
 ) -> npt.NDArray[np.integer[Any]]:
     """Labels as an array, one for each element, and none out of range.
 

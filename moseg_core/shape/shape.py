@@ -22,7 +22,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -36,24 +36,25 @@ from moseg_core.shape.adjacency import (
     near_pairs,
 )
 from moseg_core.shape.cloud import PointCloud
-from moseg_core.shape.data import Frame, Measured
+from moseg_core.shape.data import AdjacencySource, Frame, ShapeData
 from moseg_core.shape.geometry import Geometry
 from moseg_core.shape.mesh import PolygonMesh
 from moseg_core.shape.moments import element_moments
-from moseg_core.shape.volume.capped import capped_volume
+from moseg_core.shape.volume.derived import deformed_volume
 from moseg_core.shape.volume.enclosed import enclosed_volume
 from moseg_core.shape.volume.estimated import estimated_volume
+from moseg_core.shape.volume.volume import Volume
 from moseg_core.shape.voxels import Elements, VoxelGrid
 from moseg_core.types import FloatArray
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
-class Shape(Measured):
+class Shape(ShapeData):
     """Surface elements with their areas, moments and neighbours.
 
     Build one with :meth:`from_mesh`, :meth:`from_points`, :meth:`from_voxels` or
     :func:`moseg_core.load`. What it holds is described in
-    :class:`~moseg_core.shape.data.Measured`, its base.
+    :class:`~moseg_core.shape.data.ShapeData`, its base.
     """
 
     @classmethod
@@ -100,10 +101,10 @@ class Shape(Measured):
     def from_polygon_mesh(cls, mesh: PolygonMesh, *, name: str = "shape") -> Shape:
         """From a mesh that was checked already; see :meth:`from_mesh`."""
         adjacency = mesh_adjacency(mesh)
-        volume, reason = enclosed_volume(mesh, adjacency)
+        volume = enclosed_volume(mesh, adjacency)
         duplicates = len(mesh.vertices) - int(mesh.merged.max()) - 1
         notes = [f"{duplicates} duplicate vertices, joined by position"] if duplicates else []
-        return cls._made(mesh, adjacency, volume, reason, notes, name)
+        return cls._made(mesh, adjacency, volume, notes, name)
 
     @classmethod
     def from_points(
@@ -142,7 +143,7 @@ class Shape(Measured):
         (4, None, None)
         """
         cloud = PointCloud.from_points(points, areas=areas, normals=normals)
-        made = cls._made(cloud, None, None, "it is a point cloud", [], name)
+        made = cls._made(cloud, None, Volume.none("it is a point cloud"), [], name)
         return made if adjacency is None else made.with_adjacency(adjacency)
 
     @classmethod
@@ -183,15 +184,14 @@ class Shape(Measured):
         (27, 216.0, True)
         """
         grid = VoxelGrid.from_occupied(occupied, pitch=pitch, origin=origin, elements=elements)
-        return cls._made(grid, grid_adjacency(grid), grid.volume, "", [], name)
+        return cls._made(grid, grid_adjacency(grid), Volume.exact(grid.volume), [], name)
 
     @classmethod
     def _made(
         cls,
         geometry: Geometry,
         adjacency: Adjacency | None,
-        volume: float | None,
-        reason: str,
+        volume: Volume,
         notes: list[str],
         name: str,
     ) -> Shape:
@@ -217,8 +217,8 @@ class Shape(Measured):
         components = 1 if adjacency is None else adjacency.components()[0]
         if components > 1:
             notes = [*notes, _in_components(components)]
-        if reason:
-            notes = [*notes, f"encloses no volume: {reason}"]
+        if volume.reason:
+            notes = [*notes, f"{_NO_VOLUME}: {volume.reason}"]
         return cls(
             points=moments.points,
             areas=moments.areas,
@@ -226,8 +226,7 @@ class Shape(Measured):
             second_moments=moments.second,
             frame=frame,
             adjacency=adjacency,
-            volume=volume,
-            volume_reason=reason,
+            enclosed=volume,
             geometry=geometry,
             notes=tuple(notes),
             name=name,
@@ -239,9 +238,10 @@ class Shape(Measured):
         Parameters
         ----------
         which : {"auto", "knn", "none"}
-            "auto" is what the shape knows of itself: shared edges of polygons, shared faces of
-            cells, nothing of points. "knn" adds the elements that are mutually among each
-            other's nearest. With "none" segments are not kept connected.
+            "auto" is what the geometry says: shared edges of polygons, shared faces of cells,
+            nothing of points. "knn" adds the elements that are mutually among each other's
+            nearest. With "none" segments are not kept connected. What was asked for before does
+            not count.
         nearest : int
             How many elements are the nearest of one.
 
@@ -256,21 +256,40 @@ class Shape(Measured):
         >>> pairs.with_adjacency("knn", nearest=1).adjacency.components()[0]
         2
         """
-        if which == "auto":
+        source = next((word for word in get_args(AdjacencySource) if word == which), None)
+        if source is None:
+            raise UsageError(unknown("adjacency", which, get_args(AdjacencySource)))
+        if source == self.adjacency_source == "auto":
             return self
-        if which not in ("knn", "none"):
-            raise UsageError(unknown("adjacency", which, ("auto", "knn", "none")))
-        adjacency, found = None, []
-        if which == "knn":
+        adjacency = None if source == "none" else self._own_adjacency()
+        found = []
+        if source == "knn":
             pairs = near_pairs(self.points, nearest)
-            if self.adjacency is not None:
-                pairs = np.concatenate([self.adjacency.pairs, pairs])
+            if adjacency is not None:
+                pairs = np.concatenate([adjacency.pairs, pairs])
             adjacency = Adjacency.from_pairs(pairs, self.n_elements)
-            components = adjacency.components()[0]
-            found = [f"the {nearest} nearest {self.noun}s count as neighbours, where mutually so"]
-            found += [_in_components(components)] if components > 1 else []
-        kept = [note for note in self.notes if not note.startswith(_COMPONENTS)]
-        return replace(self, adjacency=adjacency, notes=(*kept, *found))
+            found = [f"the {nearest} nearest {self.noun}s {_MUTUAL}"]
+        components = 1 if adjacency is None else adjacency.components()[0]
+        found += [_in_components(components)] if components > 1 else []
+        kept = [
+            note
+            for note in self.notes
+            if not (note.startswith(_COMPONENTS) or note.endswith(_MUTUAL))
+        ]
+        return replace(self, adjacency=adjacency, adjacency_source=source, notes=(*kept, *found))
+
+    def _own_adjacency(self) -> Adjacency | None:
+        """What the geometry, as the user gave it, says of neighbours."""
+        geometry = self.geometry if self.original is None else self.original.geometry
+        if isinstance(geometry, PolygonMesh):
+            own = mesh_adjacency(geometry)
+        elif isinstance(geometry, VoxelGrid):
+            own = grid_adjacency(geometry)
+        else:
+            return None
+        if self.members is None:
+            return own
+        return Adjacency.from_pairs(self.members[own.pairs], self.n_elements)
 
     def with_volume(self, volume: float | str) -> Shape:
         """The same shape with an estimate of the volume that it encloses.
@@ -294,14 +313,12 @@ class Shape(Measured):
         >>> Shape.from_points(cube).with_volume("hull").volume
         1.0
         """
-        value, how = estimated_volume(self.geometry, self.name, volume)
-        kept = [note for note in self.notes if not note.startswith("encloses no volume")]
-        return replace(
-            self,
-            volume=value,
-            volume_reason="",
-            notes=(*kept, f"the enclosed volume is taken to be {value:.6g}, {how}"),
-        )
+        estimate, words = estimated_volume(self.geometry, volume)
+        if estimate.value is None:
+            raise ShapeError(f"the volume of '{self.name}' cannot be estimated: {estimate.reason}")
+        kept = [note for note in self.notes if not note.startswith((_NO_VOLUME, _ESTIMATE))]
+        note = f"{_ESTIMATE} {estimate.value:.6g}, {words}"
+        return replace(self, enclosed=estimate, notes=(*kept, note))
 
     def with_elements(self, elements: Elements) -> Shape:
         """The same voxel grid with all cells as elements, or only those of its surface.
@@ -342,9 +359,10 @@ class Shape(Measured):
         -------
         Shape
             Its areas, moments and frame are those of the deformed surface, its neighbours those
-            of this one. Its volume is the absolute signed volume of the deformed surface, its
-            holes capped, where this one has a volume: parts that fold over each other count with
-            their sign.
+            of this one. Where this one has a volume, that of the deformed surface is its absolute
+            signed volume, its holes capped, so that what folds over counts with its sign; where
+            its faces are not known to be oriented alike, it is an estimate afresh, or there is
+            none (:mod:`moseg_core.shape.volume.derived`).
 
         Raises
         ------
@@ -370,24 +388,29 @@ class Shape(Measured):
             )
         mesh = replace(self.geometry, vertices=places)
         bent = Shape.from_polygon_mesh(mesh, name=self.name)
-        corners = places[mesh.triangles]
-        volume, reason = self.volume, self.volume_reason
-        if volume is not None:
-            volume = capped_volume(places - corners.reshape(-1, 3).mean(axis=0), mesh.triangles)
-            if volume <= 1e-12 * bent.frame.scale**3:
-                volume, reason = None, f"it is flat in the space '{space}'"
+        volume = deformed_volume(
+            mesh,
+            original=self.geometry,
+            original_volume=self.enclosed,
+            space=space,
+            diagonal=bent.frame.scale,
+        )
         return replace(
             bent,
             adjacency=self.adjacency,
-            volume=volume,
-            volume_reason=reason,
+            adjacency_source=self.adjacency_source,
+            enclosed=volume,
             notes=self.notes,
             space=space,
             original=self,
         )
 
 
+# How notes begin or end that no longer hold of a shape with another adjacency or volume.
 _COMPONENTS = "the surface has"
+_MUTUAL = "count as neighbours, where mutually so"
+_NO_VOLUME = "encloses no volume"
+_ESTIMATE = "the enclosed volume is taken to be"
 
 
 def _in_components(count: int) -> str:

@@ -3,8 +3,9 @@
 Its elements are those of the part, in the same order, so that a label found for element ``i`` of
 the part belongs to element ``elements[i]`` of the whole. Neighbours are neighbours still, also
 where the user said what counts as one. Everything else is measured anew: its unit coordinates are
-those of its own bounding box, and its volume is the one that it encloses once the cuts are capped
-(:mod:`moseg_core.shape.volume.capped`).
+those of its own bounding box, and its volume is what it encloses once its cuts are capped or,
+where its faces are not known to be oriented alike, an estimate in the way in which that of the
+whole was made (:mod:`moseg_core.shape.volume.derived`).
 """
 
 from __future__ import annotations
@@ -16,14 +17,12 @@ import numpy as np
 from moseg_core.errors import ShapeError
 from moseg_core.shape.adjacency import Adjacency, ranges
 from moseg_core.shape.cloud import PointCloud
+from moseg_core.shape.geometry import Geometry
 from moseg_core.shape.mesh import PolygonMesh
 from moseg_core.shape.shape import Shape
-from moseg_core.shape.volume.capped import capped_volume
+from moseg_core.shape.volume.derived import part_volume
 from moseg_core.shape.voxels import VoxelGrid
 from moseg_core.types import IntArray
-
-#: Below this share of the cubed diagonal a volume is rounding, as for whole shapes.
-_FLAT = 1e-9
 
 
 def subshape(shape: Shape, elements: IntArray, *, name: str | None = None) -> Shape:
@@ -41,9 +40,10 @@ def subshape(shape: Shape, elements: IntArray, *, name: str | None = None) -> Sh
     Returns
     -------
     Shape
-        Of k elements. A part of a mesh has no volume where it is flat, where the faces are not
-        oriented alike, or where the cuts leave nothing to enclose; a part of a point cloud has
-        none, and the neighbours that it has within the whole.
+        Of k elements, with the neighbours that they have within the whole. A part of a mesh has
+        no volume where it is flat, or where its faces are not known to be oriented alike and
+        that of the whole was not estimated either, or given as a number. A part of a point cloud
+        has one only where that of the whole was estimated by winding numbers.
 
     Raises
     ------
@@ -63,29 +63,43 @@ def subshape(shape: Shape, elements: IntArray, *, name: str | None = None) -> Sh
     geometry = shape.geometry
     if len(elements) == 0:
         raise ShapeError(f"'{called}' has no elements")
+    part = _alone(geometry, elements, shape.name, called)
+    volume = part_volume(
+        part.geometry,
+        part.enclosed,
+        whole=geometry,
+        whole_volume=shape.enclosed,
+        center=part.frame.center,
+        diagonal=part.frame.scale,
+    )
+    return replace(
+        part,
+        adjacency=_within(shape.adjacency, elements),
+        adjacency_source=shape.adjacency_source,
+        enclosed=volume,
+        notes=(),  # the whole has said it
+    )
+
+
+def _alone(geometry: Geometry, elements: IntArray, whole: str, name: str) -> Shape:
+    """Some elements, as if the user had given them alone."""
     if isinstance(geometry, PointCloud):
-        return _of_points(shape, geometry, elements, called)
+        return Shape.from_points(
+            geometry.vertices[elements],
+            areas=geometry.areas[elements],
+            normals=None if geometry.normals is None else geometry.normals[elements],
+            name=name,
+        )
     if isinstance(geometry, VoxelGrid) and geometry.solid:
         kept = np.zeros_like(geometry.occupied)
         kept[tuple(geometry.cells[elements].T)] = True
-        part = Shape.from_voxels(kept, pitch=geometry.pitch, origin=geometry.origin, name=called)
-        return replace(part, adjacency=_within(shape.adjacency, elements))
+        return Shape.from_voxels(kept, pitch=geometry.pitch, origin=geometry.origin, name=name)
     if not isinstance(geometry, PolygonMesh):
         raise ShapeError(
-            f"parts of '{shape.name}' cannot be divided further: it is the surface of a"
+            f"parts of '{whole}' cannot be divided further: it is the surface of a"
             f" {geometry.kind}; read it as a solid"
         )
-    mesh = _restricted(geometry, elements)
-    part = Shape.from_polygon_mesh(mesh, name=called)
-    volume, reason = part.volume, part.volume_reason
-    # The orientation of a whole that encloses a volume is known to be right, and so the part's.
-    if volume is None and (shape.volume is not None or _oriented(mesh)):
-        volume = capped_volume(mesh.vertices - part.frame.center, mesh.triangles)
-        reason = ""
-        if volume <= _FLAT * part.frame.scale**3:
-            volume, reason = None, "it is flat, also with its cuts capped"
-    adjacency = _within(shape.adjacency, elements)
-    return replace(part, adjacency=adjacency, volume=volume, volume_reason=reason, notes=())
+    return Shape.from_polygon_mesh(_restricted(geometry, elements), name=name)
 
 
 def _within(adjacency: Adjacency | None, elements: IntArray) -> Adjacency | None:
@@ -96,17 +110,6 @@ def _within(adjacency: Adjacency | None, elements: IntArray) -> Adjacency | None
     place[elements] = np.arange(len(elements))
     pairs = place[adjacency.pairs]
     return Adjacency.from_pairs(pairs[(pairs >= 0).all(axis=1)], len(elements))
-
-
-def _of_points(shape: Shape, cloud: PointCloud, elements: IntArray, name: str) -> Shape:
-    """Some points of a cloud, with the areas and neighbours that they have in the whole."""
-    part = Shape.from_points(
-        cloud.vertices[elements],
-        areas=cloud.areas[elements],
-        normals=None if cloud.normals is None else cloud.normals[elements],
-        name=name,
-    )
-    return replace(part, adjacency=_within(shape.adjacency, elements))
 
 
 def _restricted(mesh: PolygonMesh, elements: IntArray) -> PolygonMesh:
@@ -123,10 +126,3 @@ def _restricted(mesh: PolygonMesh, elements: IntArray) -> PolygonMesh:
         triangles=np.searchsorted(used, mesh.triangles[pieces]),
         triangle_polygon=np.repeat(np.arange(len(elements)), np.diff(starts)[elements]),
     )
-
-
-def _oriented(mesh: PolygonMesh) -> bool:
-    """Whether no two polygons run through their common edge the same way."""
-    ends, _ = mesh.edges
-    code = ends[:, 0] * np.int64(len(mesh.vertices)) + ends[:, 1]
-    return len(np.unique(code)) == len(code)

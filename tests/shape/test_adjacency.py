@@ -1,4 +1,4 @@
-"""Neighbours and volumes against brute force over edges and against known solids."""
+"""Neighbours against brute force over edges, cells and distances."""
 
 from __future__ import annotations
 
@@ -12,15 +12,9 @@ from hypothesis import strategies as st
 
 from moseg_core.shape.adjacency import Adjacency, grid_adjacency, mesh_adjacency, near_pairs
 from moseg_core.shape.mesh import PolygonMesh
-from moseg_core.shape.volume.enclosed import enclosed_volume
 from moseg_core.shape.voxels import VoxelGrid
 from tests import shapes
 from tests.references import connected_pieces, edge_neighbors
-
-
-def volume_of(mesh):
-    return enclosed_volume(mesh, mesh_adjacency(mesh))
-
 
 SHAPES = {
     "cube": shapes.cube(),
@@ -103,77 +97,6 @@ def test_pairs_may_repeat_reverse_and_join_an_element_to_itself(seed, size, coun
         for f, c in zip(chosen, component.tolist(), strict=True):
             grouped.setdefault(c, set()).add(f)
         assert sorted(map(sorted, grouped.values())) == sorted(map(sorted, pieces))
-
-
-@pytest.mark.parametrize(
-    ("mesh", "volume"),
-    [
-        (shapes.cube(), 1.0),
-        (shapes.box(2, 3, 4), 24.0),
-        (shapes.tee(6, 5), 11.0),
-        (shapes.two_boxes(), 4.0),
-        (shapes.solid([(0, 0, 0), (1, 1, 0)]), 2.0),  # share an edge, which four faces use
-        (shapes.prism(6, 1.0, 2.0), 3 * 3**0.5),
-        (shapes.fan(shapes.prism(5, 2.0, 3.0)), 3 * 5 / 2 * 4 * np.sin(2 * np.pi / 5)),
-    ],
-    ids=["cube", "box", "tee", "two", "edge", "prism", "triangles"],
-)
-@pytest.mark.parametrize("shift", [0.0, 1e4])
-def test_volumes_of_known_solids(mesh, volume, shift):
-    for seed in (None, 1):
-        turned = shapes.moved(
-            mesh, np.eye(3) if seed is None else shapes.rotation(seed), 1.0, [shift] * 3
-        )
-        found, reason = volume_of(PolygonMesh.from_faces(*turned))
-        assert reason == ""
-        assert found == pytest.approx(volume, rel=1e-9)
-
-
-def test_the_volume_is_positive_whichever_way_the_faces_look():
-    vertices, faces = shapes.tee()
-    inside_out = PolygonMesh.from_faces(vertices, [face[::-1] for face in faces])
-    assert volume_of(inside_out) == (pytest.approx(11.0), "")
-
-
-def test_components_against_each_other_are_refused_but_cavities_are_not():
-    box, far = shapes.box(2, 2, 2), shapes.moved(shapes.cube(), np.eye(3), 1.0, [9.0] * 3)
-    inner = shapes.moved(shapes.cube(), np.eye(3), 0.5, [0.7] * 3)
-
-    def turned(mesh):
-        return mesh[0], [face[::-1] for face in mesh[1]]
-
-    def volume(*meshes):
-        return volume_of(PolygonMesh.from_faces(*shapes.joined(*meshes)))
-
-    assert volume(box, far) == (pytest.approx(9.0), "")
-    assert volume(box, turned(far)) == (None, "its components are oriented against each other")
-    assert volume(turned(box), turned(far)) == (pytest.approx(9.0), "")
-    assert volume(box, turned(inner)) == (pytest.approx(8 - 0.125), "")
-    assert volume(turned(box), inner) == (pytest.approx(8 - 0.125), "")
-
-
-def flipped(mesh):
-    vertices, faces = mesh
-    return vertices, [faces[0][::-1], *faces[1:]]
-
-
-@pytest.mark.parametrize(
-    ("mesh", "reason"),
-    [
-        (shapes.cube_without_lid(), "open (4 boundary edges)"),
-        (shapes.annulus(12), "open (24 boundary edges)"),
-        (shapes.book(3), "open (7 boundary edges)"),
-        ((shapes.cube()[0], [*shapes.cube()[1], (0, 1, 2)]), "open (3 boundary edges)"),
-        (flipped(shapes.cube()), "not oriented consistently"),
-        ((np.eye(3), [(0, 1, 2), (2, 1, 0)]), "flat"),
-        ((np.zeros((3, 3)), [(0, 1, 2)]), "no edges"),
-    ],
-    ids=["no lid", "annulus", "book", "extra face", "flipped", "flat", "a point"],
-)
-def test_a_surface_that_encloses_nothing_says_why(mesh, reason):
-    volume, found = volume_of(PolygonMesh.from_faces(*mesh))
-    assert volume is None
-    assert reason in found
 
 
 def literal_grid_pairs(grid, most):

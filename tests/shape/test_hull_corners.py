@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial import ConvexHull
 
 import moseg_core as moseg
-from moseg_core.shape.hull_corners import find_extremes
+from moseg_core.shape.hull_corners import find_hull_corners
 
 
 def parts_of(shape, seed, n=5):
@@ -38,7 +38,7 @@ def test_a_bowl_keeps_its_rim_and_bottom_a_dent_is_left_out():
     corner = i * (n + 1) + j
     faces = np.stack([corner, corner + n + 1, corner + n + 2, corner + 1], axis=1)
     shape = moseg.Shape.from_mesh(vertices.reshape(-1, 3), faces)
-    found = find_extremes(shape.geometry, np.zeros(len(faces), np.int64), np.zeros((1, 3)))
+    found = find_hull_corners(shape.geometry, np.zeros(len(faces), np.int64), np.zeros((1, 3)))
     kept = set(found.of(np.array([0])).tolist())
     bottom = 6 * (n + 1) + 6
     assert bottom in kept  # the tip of the dent is the lowest point
@@ -52,15 +52,15 @@ def test_flat_groups_keep_all_their_vertices():
         [3 * x + y, 3 * x + y + 3, 3 * x + y + 4, 3 * x + y + 1] for x in range(3) for y in range(2)
     ]
     shape = moseg.Shape.from_mesh(vertices, faces)
-    found = find_extremes(shape.geometry, np.zeros(6, np.int64), np.zeros((1, 3)))
+    found = find_hull_corners(shape.geometry, np.zeros(6, np.int64), np.zeros((1, 3)))
     assert found.of(np.array([0])).tolist() == list(range(12))
 
 
 def test_shared_vertices_come_once():
     coarse = moseg.coarsen(moseg.load(moseg.sample_path("hammer")), 50)
-    together = coarse.extremes.of(np.arange(coarse.n_elements))
+    together = coarse.hull_corners.of(np.arange(coarse.n_elements))
     assert (np.diff(together) > 0).all()
-    assert len(together) < len(coarse.extremes.vertices)
+    assert len(together) < len(coarse.hull_corners.vertices)
 
 
 def test_a_part_of_input_elements_has_all_its_vertices():
@@ -73,7 +73,7 @@ def test_far_from_the_origin_nothing_is_lost():
     mesh = shape.geometry
     away = moseg.Shape.from_mesh(mesh.vertices + 1e5, mesh.triangles)
     coarse = moseg.coarsen(shape, 300)
-    near = coarse.extremes
-    far = find_extremes(away.geometry, coarse.members, coarse.points)
+    near = coarse.hull_corners
+    far = find_hull_corners(away.geometry, coarse.members, coarse.points)
     # Rounding at 1e5 moves a vertex by 1e-11: a few that stick out no further may change sides.
     assert len(np.setxor1d(near.of(np.arange(300)), far.of(np.arange(300)))) < 20

@@ -10,6 +10,7 @@ from moseg_core.components.segmentation import Segmentation
 from moseg_core.errors import ShapeError, UsageError
 from moseg_core.shape.coarse import coarsen
 from moseg_core.shape.shape import Shape
+from moseg_core.shape.subshape import subshape
 from tests import shapes
 
 BLOCK = np.ones((4, 3, 2), bool)
@@ -109,11 +110,51 @@ def test_with_adjacency(cloud):
         cloud.with_adjacency("kn")
 
 
+HALVES = shapes.joined(shapes.strip(3), shapes.moved(shapes.strip(3), np.eye(3), 1, (3, 0, 0.1)))
+TORN = Shape.from_mesh(*HALVES)
+
+
+def links(shape):
+    return None if shape.adjacency is None else set(map(tuple, shape.adjacency.pairs.tolist()))
+
+
+@pytest.mark.parametrize(
+    "made",
+    [
+        TORN,
+        Shape.from_voxels(BLOCK),
+        Shape.from_voxels(BLOCK, elements="surface"),
+        Shape.from_points(HALVES[0]),
+        coarsen(TORN, 3),
+        TORN.deformed(np.abs(TORN.geometry.vertices - [3, 0, 0]) * [1, 1, 0], space="folded"),
+        subshape(TORN, np.array([0, 1, 3, 4])),
+    ],
+    ids=["mesh", "solid", "cells", "points", "coarse", "folded", "part"],
+)
+@pytest.mark.parametrize("asked", [["knn"], ["none"], ["knn", "none", "knn"]])
+def test_auto_restores_what_the_geometry_says(made, asked):
+    other = made
+    for which in asked:
+        other = other.with_adjacency(which, nearest=8)
+        assert other.adjacency_source == which
+    assert links(other) != links(made) or asked == ["none"]
+    again = other.with_adjacency("auto")
+    assert links(again) == links(made)
+    assert again.adjacency_source == "auto"
+    assert again.key == made.key
+    assert set(made.notes) <= set(again.notes)  # of a part the whole has said it
+    assert not any("nearest" in note for note in again.notes)
+
+
+def test_what_was_asked_for_before_does_not_count():
+    few = TORN.with_adjacency("knn", nearest=1)
+    more = TORN.with_adjacency("knn", nearest=5)
+    assert links(more.with_adjacency("knn", nearest=1)) == links(few) != links(more)
+    assert more.with_adjacency("knn", nearest=1).notes == few.notes
+
+
 def test_nearest_elements_are_added_to_those_that_touch():
-    halves = shapes.joined(
-        shapes.strip(3), shapes.moved(shapes.strip(3), np.eye(3), 1, (3, 0, 0.1))
-    )
-    shape = Shape.from_mesh(*halves)
+    shape = TORN
     assert "the surface has 2 connected components" in shape.notes
     joined = shape.with_adjacency("knn", nearest=2)
     assert joined.adjacency.components()[0] == 1

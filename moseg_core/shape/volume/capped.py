@@ -11,8 +11,10 @@ the boundary's edges: those that the faces run through more often one way than t
 loops that touch in one vertex are told apart; they are different *blocks* of the graph of these
 edges, which no single vertex separates.
 
-Parts that are segmented in their turn (:mod:`moseg_core.shape.subshape`) have this volume, and so
-do the objectives that ask how much a part fills.
+Parts that are segmented in their turn have this volume (:mod:`moseg_core.shape.volume.derived`),
+and so do the objectives that ask how much a part fills. Where faces are not oriented alike, the
+caps themselves can still be made (:func:`with_caps`): over loops of edges that an odd number of
+faces use.
 """
 
 from __future__ import annotations
@@ -21,6 +23,8 @@ from collections import defaultdict
 
 import numpy as np
 
+from moseg_core.shape.adjacency import undirected
+from moseg_core.shape.mesh import PolygonMesh
 from moseg_core.types import FloatArray, IntArray
 
 
@@ -53,16 +57,53 @@ def capped_volume(vertices: FloatArray, triangles: IntArray) -> float:
     if len(edges):
         start, stop = positions[edges[:, 0]], positions[edges[:, 1]]
         loop = _blocks(edges)
-        lengths = np.linalg.norm(stop - start, axis=1) * counts
-        total = np.bincount(loop, lengths)
-        middles = (start + stop) / 2.0
-        centroids = np.stack(
-            [np.bincount(loop, lengths * middles[:, k]) / total for k in range(3)], axis=1
-        )
+        centroids = _centroids(loop, start, stop, counts)
         # A cap runs through the loop's edges the other way.
         caps = np.einsum("ij,ij->i", centroids[loop], np.cross(stop, start))
         volume += float(counts @ caps)
     return abs(volume) / 6.0
+
+
+def with_caps(mesh: PolygonMesh) -> PolygonMesh:
+    """A surface as triangles, with caps over its boundary; faces need not be oriented alike.
+
+    Parameters
+    ----------
+    mesh : PolygonMesh
+
+    Returns
+    -------
+    PolygonMesh
+        The triangles of `mesh`, followed by those of the caps, oriented anyhow.
+
+    Examples
+    --------
+    >>> tent = PolygonMesh.from_faces([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]],
+    ...                               [[0, 1, 3], [2, 1, 3], [2, 0, 3]])
+    >>> closed = with_caps(tent)
+    >>> closed.n_polygons, closed.vertices[-1].round(2).tolist()
+    (6, [0.35, 0.35, 0.0])
+    """
+    ends, group = undirected(mesh.edges[0])
+    edges = ends[np.bincount(group) % 2 == 1]
+    if len(edges) == 0:
+        return mesh
+    vertex = np.unique(mesh.merged, return_index=True)[1][edges]
+    start, stop = mesh.vertices[vertex[:, 0]], mesh.vertices[vertex[:, 1]]
+    loop = _blocks(edges)
+    centroids = _centroids(loop, start, stop, np.ones(len(edges), np.int64))
+    fans = np.column_stack([vertex, len(mesh.vertices) + loop])
+    return PolygonMesh.from_faces(
+        np.concatenate([mesh.vertices, centroids]), np.concatenate([mesh.triangles, fans])
+    )
+
+
+def _centroids(loop: IntArray, start: FloatArray, stop: FloatArray, counts: IntArray) -> FloatArray:
+    """(l, 3) float: the mean by length of each loop's edges, which count so many times."""
+    lengths = np.linalg.norm(stop - start, axis=1) * counts
+    total = np.bincount(loop, lengths)
+    middles = (start + stop) / 2.0
+    return np.stack([np.bincount(loop, lengths * middles[:, k]) / total for k in range(3)], axis=1)
 
 
 def _boundary(vertices: FloatArray, triangles: IntArray) -> tuple[FloatArray, IntArray, IntArray]:

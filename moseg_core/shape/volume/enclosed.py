@@ -10,10 +10,11 @@ import numpy as np
 
 from moseg_core.shape.adjacency import Adjacency, undirected
 from moseg_core.shape.mesh import PolygonMesh
+from moseg_core.shape.volume.volume import Volume
 from moseg_core.types import FloatArray, IntArray
 
 
-def enclosed_volume(mesh: PolygonMesh, adjacency: Adjacency) -> tuple[float | None, str]:
+def enclosed_volume(mesh: PolygonMesh, adjacency: Adjacency) -> Volume:
     """Volume that the surface encloses, or the reason why it encloses none.
 
     Every edge must be run through as often in one direction as in the other. The volume is then
@@ -28,32 +29,39 @@ def enclosed_volume(mesh: PolygonMesh, adjacency: Adjacency) -> tuple[float | No
 
     Returns
     -------
-    volume : float or None, model units cubed
-    reason : str
-        Empty where there is a volume; else a clause such as "it has 12 boundary edges".
+    Volume
+        Exact, or none.
+
+    Examples
+    --------
+    >>> from moseg_core.shape.adjacency import mesh_adjacency
+    >>> tent = PolygonMesh.from_faces([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]],
+    ...                               [[0, 1, 3], [1, 2, 3], [2, 0, 3]])
+    >>> enclosed_volume(tent, mesh_adjacency(tent)).reason
+    'it is open (3 boundary edges)'
     """
     ends, _ = mesh.edges
     if len(ends) == 0:
-        return None, "it has no edges"
+        return Volume.none("it has no edges")
     edge, group = undirected(ends)
     direction = np.where(ends[:, 0] == edge[group, 0], 1, -1)
     uses = np.bincount(group)
     balance = np.bincount(group, weights=direction)
     odd = int((uses % 2).sum())
     if odd:
-        return None, f"it is open ({odd} boundary edge{'s' * (odd != 1)})"
+        return Volume.none(f"it is open ({odd} boundary edge{'s' * (odd != 1)})")
     if balance.any():
-        return None, "its faces are not oriented consistently"
+        return Volume.none("its faces are not oriented consistently")
     corners = mesh.vertices[mesh.triangles]
     extent = np.ptp(mesh.vertices[mesh.corners], axis=0)
     corners = corners - corners.reshape(-1, 3).mean(axis=0)
     count, component = adjacency.components()
     if count > 1 and not _cavities_only(corners, component[mesh.triangle_polygon], count):
-        return None, "its components are oriented against each other"
+        return Volume.none("its components are oriented against each other")
     volume = abs(signed_volume(corners))
     if volume <= 1e-9 * float(np.linalg.norm(extent)) ** 3:
-        return None, "it is flat"
-    return volume, ""
+        return Volume.none("it is flat")
+    return Volume.exact(volume)
 
 
 def _cavities_only(corners: FloatArray, component: IntArray, count: int) -> bool:

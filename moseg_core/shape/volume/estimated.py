@@ -23,56 +23,52 @@ import math
 
 import numpy as np
 
-from moseg_core.errors import ShapeError, UsageError
+from moseg_core.errors import UsageError
+from moseg_core.shape.cloud import PointCloud
 from moseg_core.shape.geometry import Geometry
 from moseg_core.shape.volume.hulls import hulls_volume
-from moseg_core.shape.volume.winding_tree import Pieces
+from moseg_core.shape.volume.volume import Volume
+from moseg_core.shape.volume.winding_tree import WindingTree
 
 _SAMPLES = 300_000
 
 
-def estimated_volume(geometry: Geometry, name: str, how: float | str) -> tuple[float, str]:
-    """A volume as the user asks for it, and in words where it comes from.
+def estimated_volume(geometry: Geometry, how: float | str) -> tuple[Volume, str]:
+    """A volume as the user asks for it, and in words how it was found.
 
     Parameters
     ----------
     geometry : Geometry
-    name : str
-        Of the shape, for messages.
     how : float or str
         Model units cubed, also as text; or "hull" or "winding".
 
     Returns
     -------
-    volume : float, model units cubed
-    origin : str
+    volume : Volume
+        Its source is "hull", "winding" or "user". None where it cannot be estimated: a flat shape
+        has no hull, points without normals have no winding number, or the surface winds around
+        nothing.
+    words : str
+        Empty where there is no volume.
 
     Raises
     ------
     UsageError
         No positive number, and neither "hull" nor "winding".
-    ShapeError
-        A flat shape has no hull, points without normals have no winding number, or the surface
-        winds around nothing.
 
     Examples
     --------
     >>> from moseg_core.shape.mesh import PolygonMesh
     >>> tent = PolygonMesh.from_faces([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]],
     ...                               [[0, 1, 3], [1, 2, 3], [2, 0, 3]])
-    >>> volume, origin = estimated_volume(tent, "tent", "hull")
-    >>> round(volume, 6), origin
-    (0.166667, 'that of its convex hull')
+    >>> volume, words = estimated_volume(tent, "hull")
+    >>> round(volume.value, 6), volume.source, words
+    (0.166667, 'hull', 'that of its convex hull')
     """
     if how == "hull":
-        volume, pieces = hulls_volume(geometry)
-        if volume == 0.0:
-            raise ShapeError(f"'{name}' is flat: its convex hull has no volume")
-        if pieces == 1:
-            return volume, "that of its convex hull"
-        return volume, f"that of the convex hulls of {pieces} pieces of it"
+        return _hull_volume(geometry)
     if how == "winding":
-        return _winding_volume(geometry, name), "where its surface winds more than half around"
+        return _winding_volume(geometry)
     try:
         value = float(how)
     except (TypeError, ValueError):
@@ -81,27 +77,42 @@ def estimated_volume(geometry: Geometry, name: str, how: float | str) -> tuple[f
         raise UsageError(
             f"a volume is a positive number in model units cubed, 'hull' or 'winding', not {how!r}"
         )
-    return value, "as given"
+    return Volume(value=value, source="user"), "as given"
 
 
-def _winding_volume(geometry: Geometry, name: str) -> float:
-    pieces = Pieces.of(geometry, name)
+def _hull_volume(geometry: Geometry) -> tuple[Volume, str]:
+    value, pieces = hulls_volume(geometry)
+    if value == 0.0:
+        return Volume.none("it is flat: its convex hull has no volume"), ""
+    words = "that of its convex hull"
+    if pieces > 1:
+        words = f"that of the convex hulls of {pieces} pieces of it"
+    return Volume(value=value, source="hull"), words
+
+
+def _winding_volume(geometry: Geometry) -> tuple[Volume, str]:
+    if isinstance(geometry, PointCloud) and geometry.normals is None:
+        reason = "it has no normals, which a winding number needs; take 'hull' or give a number"
+        return Volume.none(reason), ""
     vertices = geometry.vertices[np.unique(geometry.corners)]
     middle = vertices.mean(axis=0)
     axes = np.linalg.svd(np.cov((vertices - middle).T))[0]
     local = (vertices - middle) @ axes
     low, size = local.min(axis=0), np.ptp(local, axis=0)
     if size.min() <= 1e-9 * size.max():
-        raise ShapeError(f"'{name}' is flat: there is nothing that it could wind around")
+        return Volume.none("it is flat: there is nothing that it could wind around"), ""
     counts = np.maximum(1, np.round(size * (_SAMPLES / size.prod()) ** (1 / 3))).astype(int)
     cell = np.stack(np.unravel_index(np.arange(counts.prod()), tuple(counts)), axis=1)
     # At random within the cells, lest faces along the box round all of its cells the same way.
     inside = cell + np.random.default_rng(0).random(cell.shape)
-    winding = pieces.winding((low + inside * (size / counts)) @ axes.T + middle)
+    tree = WindingTree.of(geometry)
+    winding = tree.winding((low + inside * (size / counts)) @ axes.T + middle)
     share = float((np.abs(winding) > 0.5).mean())
     if share == 0.0:
-        raise ShapeError(
-            f"'{name}' winds more than half around no place; orient its faces alike or give the"
-            f" volume as a number"
+        reason = (
+            "it winds more than half around no place; orient its faces alike, take 'hull' or give"
+            " a number"
         )
-    return share * float(size.prod())
+        return Volume.none(reason), ""
+    value = share * float(size.prod())
+    return Volume(value=value, source="winding"), "where its surface winds more than half around"

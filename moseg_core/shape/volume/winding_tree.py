@@ -1,4 +1,4 @@
-"""A tree of boxes over pieces of surface, so that winding numbers are cheap far away.
+"""A tree of boxes over triangles or points, so that winding numbers are cheap far away.
 
 Every box holds the dipole of its pieces (Barill et al. 2018, doi:10.1145/3197517.3201337, first
 order); :mod:`moseg_core.shape.volume.winding` walks down the tree only where a query is near.
@@ -10,25 +10,27 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from moseg_core.errors import ShapeError
 from moseg_core.shape.cloud import PointCloud
 from moseg_core.shape.geometry import Geometry
 from moseg_core.shape.volume.winding import winding_numbers
 from moseg_core.types import FloatArray, IntArray
 
+#: Pieces in a box that is not divided any more.
 _LEAF = 8
 
-
+#: A box is seen as one dipole from more than so many radii.
 _FAR = 2.0
-
 
 #: Length over which a point's pull is blunted, in units of the root of its area.
 _SOFT = 0.1
 
 
 @dataclass(frozen=True, eq=False)
-class Pieces:
-    """Pieces of surface in a tree of boxes, for winding numbers; see the kernel for the fields."""
+class WindingTree:
+    """Pieces of surface in a tree of boxes, for winding numbers.
+
+    The fields are described in :func:`moseg_core.shape.volume.winding.winding_numbers`.
+    """
 
     places: FloatArray
     dipoles: FloatArray
@@ -42,21 +44,11 @@ class Pieces:
     box_radii: FloatArray
 
     @classmethod
-    def of(cls, geometry: Geometry, name: str) -> Pieces:
-        """The triangles of a geometry, or the points of a cloud with normals.
-
-        Raises
-        ------
-        ShapeError
-            A cloud without normals.
-        """
+    def of(cls, geometry: Geometry) -> WindingTree:
+        """The triangles of a geometry, or the points of a cloud, which has normals."""
         corners = np.ascontiguousarray(geometry.vertices[geometry.triangles])
         if isinstance(geometry, PointCloud):
-            if geometry.normals is None:
-                raise ShapeError(
-                    f"'{name}' has no normals, which its winding number needs; give the volume as"
-                    f" a number, or 'hull'"
-                )
+            assert geometry.normals is not None  # asked for by the caller
             places, areas = geometry.vertices, geometry.areas
             length = np.linalg.norm(geometry.normals, axis=1)
             unit = geometry.normals / np.where(length > 0, length, 1.0)[:, None]

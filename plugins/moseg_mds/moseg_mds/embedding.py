@@ -162,7 +162,7 @@ class MDS:
             places = self._refined(surface, landmarks, table)
         else:
             places = landmark_mds(table, landmarks)
-        places = _turned(places, surface, closed=shape.volume is not None)
+        places = _turned(places, surface, closed=shape.volume_source == "exact")
         found = normalized_stress(table, places[landmarks], places)
         middle = (places.max(axis=0) + places.min(axis=0)) / 2.0
         unit = (places - middle) / np.linalg.norm(np.ptp(places, axis=0))

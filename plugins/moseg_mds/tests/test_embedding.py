@@ -108,6 +108,16 @@ def test_the_outside_stays_outside(make, bend):
         assert true < found.volume < 2 * true
 
 
+@pytest.mark.parametrize("seed", [0, 2])
+def test_an_estimated_volume_says_nothing_of_the_outside(make, seed):
+    vertices, faces = make.worm(curled, 0.02)
+    turned = np.random.default_rng(seed).random(len(faces)) < 0.5
+    shape = make.shape((vertices, np.where(turned[:, None], faces[:, ::-1], faces)))
+    assert shape.volume is None
+    known = shape.with_volume(0.5)
+    assert (places(known, landmarks=60) == places(shape, landmarks=60)).all()
+
+
 @pytest.mark.parametrize("landmarks", [60, 162])
 def test_motions_and_units_do_not_matter(make, landmarks):
     vertices, faces = make.blob(3, 2)

@@ -8,8 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.sparse.csgraph import connected_components
 
+from moseg_core.shape.adjacency import undirected
 from moseg_core.shape.mesh import PolygonMesh
-from moseg_core.shape.volume.capped import _blocks, capped_volume
+from moseg_core.shape.volume.capped import _blocks, capped_volume, with_caps
 from tests.shapes import cube, cube_without_lid, disc, moved, rotation, subdivided, tee, two_boxes
 
 
@@ -54,6 +55,19 @@ def test_neither_motions_nor_the_tessellation_matter(seed, scale):
 def test_faces_all_the_other_way_round():
     vertices, faces = cube_without_lid()
     assert volume((vertices, [face[::-1] for face in faces])) == pytest.approx(1.0, rel=1e-12)
+
+
+@pytest.mark.parametrize("turned", [[], [0], [1, 3]])
+def test_caps_close_a_surface_however_its_faces_are_oriented(turned):
+    vertices, faces = cube_without_lid()
+    mesh = PolygonMesh.from_faces(
+        vertices, [face[::-1] if f in turned else face for f, face in enumerate(faces)]
+    )
+    closed = with_caps(mesh)
+    assert closed.n_polygons == 2 * 5 + 4
+    assert (np.bincount(undirected(closed.edges[0])[1]) % 2 == 0).all()
+    assert closed.vertices[len(vertices) :].tolist() == [[0.5, 0.5, 1.0]]  # of the lid
+    assert with_caps(closed) is closed
 
 
 def reference_blocks(edges):
