@@ -100,7 +100,7 @@ class SearchFlags:
     Parameters
     ----------
     seeder
-        How centres are first placed: a name, or name(key=number).
+        How centres are first placed: a name, or name(key=value).
     labeler
         How labels are assigned to centres.
     optimizer

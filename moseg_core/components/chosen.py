@@ -16,7 +16,7 @@ from moseg_core.components.discovery.specs import Kind
 from moseg_core.components.parameters import check_parameters, declared_parameters
 from moseg_core.errors import REPORT, PluginError, UsageError
 from moseg_core.language import parse_call
-from moseg_core.language.terms import format_number
+from moseg_core.language.terms import format_call
 
 
 @dataclass(frozen=True)
@@ -64,11 +64,7 @@ class Choice:
         return cls(given["name"], {key: v for key, v in given.items() if key != "name"})
 
     def __str__(self) -> str:
-        inside = ", ".join(
-            f"{key}={format_number(value) if isinstance(value, (int, float)) else value}"
-            for key, value in self.parameters.items()
-        )
-        return f"{self.name}({inside})" if inside else self.name
+        return format_call(self.name, parameters=self.parameters.items())
 
 
 @dataclass(frozen=True, kw_only=True)

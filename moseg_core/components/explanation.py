@@ -19,6 +19,7 @@ from moseg_core.components.discovery.registry import Component
 from moseg_core.components.objectives import Traits
 from moseg_core.components.parameters import Parameter, declared_parameters
 from moseg_core.errors import PluginError
+from moseg_core.language.terms import format_value
 
 #: Kinds whose targets take parameters.
 _WITH_PARAMETERS = (
@@ -181,7 +182,7 @@ def default(parameter: Parameter) -> str:
     if parameter.default is None:
         return "none"
     if parameter.type is str:
-        return str(parameter.default)
+        return format_value(parameter.default)
     return f"{parameter.default:g}"
 
 

@@ -5,7 +5,7 @@ it. Their defaults and annotations are the declaration, bounds included::
 
     def area_fraction(part, *, most: Annotated[float, Interval(0, 1)] = 1.0): ...
 
-From that one place come the check of ``key=number`` in an expression or a recipe, the defaults,
+From that one place come the check of ``key=value`` in an expression or a recipe, the defaults,
 and what the documentation shows.
 """
 
@@ -88,11 +88,17 @@ class Parameter:
                 raise UsageError(
                     f"{owner}: parameter '{self.name}' is {value:g}; allowed is {self.interval}"
                 )
-        elif self.type is bool and value in (0, 1):
-            return bool(value)  # expressions have numbers only
-        elif not isinstance(value, self.type):
+        elif self.type is bool:
+            if value not in (0, 1):
+                raise UsageError(
+                    f"{owner}: parameter '{self.name}' must be true or false, not {value!r}"
+                )
+        elif not isinstance(value, str):
+            plain = value is None or isinstance(value, (int, float))
+            word = str(value).lower()  # as it was written: true, none
+            advice = f'; in quotes it is one: {self.name}="{word}"' if plain else ""
             raise UsageError(
-                f"{owner}: parameter '{self.name}' must be a {self.type.__name__}, not {value!r}"
+                f"{owner}: parameter '{self.name}' must be a word, not {value!r}{advice}"
             )
         return self.type(value)
 

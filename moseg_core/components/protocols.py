@@ -57,7 +57,7 @@ class Objective(Protocol):
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
-        """Declared parameters, given in an expression as ``key=number``."""
+        """Declared parameters, given in an expression as ``key=value``."""
         ...
 
     def __call__(self, subject: Any, /, **parameters: Any) -> float:

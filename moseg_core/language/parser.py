@@ -1,4 +1,8 @@
-"""Tokens to terms, by recursive descent; every complaint points at its place in the text."""
+"""Tokens to terms, by recursive descent; every complaint points at its place in the text.
+
+There is one grammar of calls (:mod:`moseg_core.language`). An expression puts weights and spaces
+around them; a constraint is a single call; the choice of a component is one without labels.
+"""
 
 from __future__ import annotations
 
@@ -6,8 +10,8 @@ import math
 from dataclasses import replace
 
 from moseg_core.errors import ExpressionError
-from moseg_core.language.terms import Argument, Expression, Term
-from moseg_core.language.tokens import Token, TokenKind, tokenize
+from moseg_core.language.terms import LITERALS, Argument, Expression, Term, Value, is_word
+from moseg_core.language.tokens import Token, tokenize, unquoted
 
 
 def parse(text: str) -> Expression:
@@ -41,8 +45,19 @@ def parse(text: str) -> Expression:
     return _Parser(text).expression()
 
 
-def parse_call(text: str) -> Term:
-    """Read a single call without weight or labels, such as ``pattern_search(expansion=2)``.
+def parse_call(text: str, *, labels: bool = False) -> Term:
+    """Read a single call without weight or space, such as ``pattern_search(expansion=2)``.
+
+    Parameters
+    ----------
+    text : str
+    labels : bool
+        Whether the call is about labels, as a constraint is; a component is not.
+
+    Returns
+    -------
+    Term
+        Of weight 1.
 
     Raises
     ------
@@ -51,38 +66,24 @@ def parse_call(text: str) -> Term:
 
     Examples
     --------
-    >>> parse_call("core:kmeans(rounds=50)").parameters
-    (('rounds', 50.0),)
-    """
-    return _Parser(text).lone_call()
-
-
-def parse_constraint(text: str) -> Term:
-    """Read a constraint: a call with labels, whose parameters may be words.
-
-    Raises
-    ------
-    ExpressionError
-        Anything else.
-
-    Examples
-    --------
-    >>> term = parse_constraint("mirror(leg2, leg1, plane=x)")
+    >>> parse_call('mds(landmarks=50, geodesics="exact")').parameters
+    (('landmarks', 50), ('geodesics', 'exact'))
+    >>> term = parse_call("mirror(leg2, leg1, plane=x)", labels=True)
     >>> [argument.pattern for argument in term.arguments], term.parameters
     (['leg2', 'leg1'], (('plane', 'x'),))
     """
-    return _Parser(text, words=True).lone_call()
+    return _Parser(text, labels=labels).lone_call()
 
 
 class _Parser:
     """The state of one parse: the tokens and the place reached.
 
-    `words` says that labels may be given to a lone call, and words to its parameters.
+    `labels` says whether calls may be about labels.
     """
 
-    def __init__(self, text: str, *, words: bool = False) -> None:
+    def __init__(self, text: str, *, labels: bool = True) -> None:
         self.text = text
-        self.words = words
+        self.labels = labels
         self.tokens = tokenize(text)
         self.at = 0
 
@@ -98,9 +99,6 @@ class _Parser:
         term = self.call(1.0, what="a name")
         if not self.at_end:
             self.fail("the end")
-        if term.arguments and not self.words:
-            start, stop = term.arguments[0].span
-            raise ExpressionError("expected key=number", self.text, start, stop)
         return term
 
     def sign(self, *, optional: bool) -> float:
@@ -138,7 +136,7 @@ class _Parser:
             second = self.word("a name after ':'")
             name, stop = f"{first.text}:{second.text}", second.stop
         arguments: list[Argument] = []
-        parameters: list[tuple[str, float | str]] = []
+        parameters: list[tuple[str, Value]] = []
         keys: list[tuple[int, int]] = []
         if self.peek.text == "(":
             self.take()
@@ -162,14 +160,21 @@ class _Parser:
     def argument(
         self,
         arguments: list[Argument],
-        parameters: list[tuple[str, float | str]],
+        parameters: list[tuple[str, Value]],
         keys: list[tuple[int, int]],
     ) -> None:
         token = self.peek
         if token.kind not in ("word", "glob"):
-            self.fail("a label")
+            self.fail("a label" if self.labels else "key=value")
         self.take()
         if self.peek.text == "=":
+            if not is_word(token.text):
+                raise ExpressionError(
+                    f"'{token.text}' cannot be the name of a parameter; names begin with a letter"
+                    " or '_'",
+                    self.text,
+                    *_span(token),
+                )
             if any(token.text == key for key, _ in parameters):
                 raise ExpressionError(
                     f"parameter '{token.text}' is given twice", self.text, *_span(token)
@@ -177,28 +182,42 @@ class _Parser:
             self.take()
             parameters.append((token.text, self.value()))
             keys.append(_span(token))
+        elif not self.labels:
+            raise ExpressionError(
+                'expected key=value; words with other characters stand in quotes: key="a,b"',
+                self.text,
+                *_span(token),
+            )
         elif parameters:
             raise ExpressionError("labels come before parameters", self.text, *_span(token))
         else:
             arguments.append(Argument(token.text, _span(token)))
 
-    def value(self) -> float | str:
-        if self.words and self.peek.kind == "word":
-            return self.take().text
-        return self.sign(optional=True) * self.number()
+    def value(self) -> Value:
+        if self.peek.kind == "quoted":
+            return unquoted(self.take().text)
+        if self.peek.kind == "word" and is_word(self.peek.text):
+            word = self.take().text
+            return LITERALS.get(word, word)
+        if self.peek.text in ("+", "-"):
+            negative = self.take().text == "-"
+            value = self.number("a number")
+            return -value if negative else value
+        return self.number("a number or a word")
 
-    def number(self) -> float:
+    def number(self, what: str = "a number") -> float:
+        """The number here: an int where it is written as one, which may be exact beyond 2^53."""
         token = self.peek
         if token.kind != "number":
-            self.fail("a number")
+            self.fail(what)
         value = float(self.take().text)
         if not math.isfinite(value):
             raise ExpressionError("the number is too large", self.text, *_span(token))
-        return value
+        # Zeros in front would count towards the greatest number of digits that int() reads.
+        return int(token.text.lstrip("0") or "0") if token.text.isdigit() else value
 
     def word(self, what: str) -> Token:
-        kinds: tuple[TokenKind, ...] = ("word",)
-        if self.peek.kind not in kinds or self.peek.text[0].isdigit():
+        if self.peek.kind != "word" or not is_word(self.peek.text):
             self.fail(what)
         return self.take()
 

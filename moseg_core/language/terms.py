@@ -1,12 +1,37 @@
 """What an expression is once read: a sum of weighted calls.
 
 The classes know their own text, so that ``parse(str(e)) == e``; the places in the user's text,
-kept for error messages, take no part in comparisons.
+kept for error messages, take no part in comparisons. :func:`format_call` writes the calls of all
+who use them, components that somebody chose included.
 """
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterable
 from dataclasses import dataclass, field
+from numbers import Integral, Real
+
+from moseg_core.language.tokens import quoted
+
+Value = float | str | None
+"""Of a parameter: a number (int and bool are some), a word, or nothing."""
+
+LITERALS: dict[str, Value] = {"true": True, "false": False, "none": None}
+"""Words that mean themselves only in quotes."""
+
+_WORD = re.compile(r"[A-Za-z_]\w*\Z", re.ASCII)
+
+
+def is_word(text: str) -> bool:
+    """Whether a text is a word of the language: a letter or ``_``, then also digits.
+
+    Examples
+    --------
+    >>> is_word("leg2"), is_word("2nd"), is_word("a b")
+    (True, False, False)
+    """
+    return _WORD.match(text) is not None
 
 
 @dataclass(frozen=True)
@@ -39,9 +64,8 @@ class Term:
     name : str
         As written: ``narrow`` or ``basic:narrow``.
     arguments : tuple of Argument
-    parameters : tuple of (str, float or str)
-        In the order written; words only where :func:`~moseg_core.language.parse_constraint`
-        allows them.
+    parameters : tuple of (str, float, str or None)
+        In the order written.
     weight : float
         With the sign that the term has in the sum.
     span : (int, int)
@@ -56,7 +80,7 @@ class Term:
 
     name: str
     arguments: tuple[Argument, ...] = ()
-    parameters: tuple[tuple[str, float | str], ...] = ()
+    parameters: tuple[tuple[str, Value], ...] = ()
     weight: float = 1.0
     span: tuple[int, int] = field(default=(0, 0), compare=False)
     keys: tuple[tuple[int, int], ...] = field(default=(), compare=False)
@@ -66,12 +90,8 @@ class Term:
     @property
     def call(self) -> str:
         """The term without its weight: ``narrow(leg*)``, ``convex_parts @ mds``."""
-        inside = [argument.pattern for argument in self.arguments]
-        inside += [
-            f"{key}={value if isinstance(value, str) else format_number(value)}"
-            for key, value in self.parameters
-        ]
-        bare = f"{self.name}({', '.join(inside)})" if inside else self.name
+        labels = [argument.pattern for argument in self.arguments]
+        bare = format_call(self.name, labels, self.parameters)
         return f"{bare} @ {self.space}" if self.space else bare
 
     def __str__(self) -> str:
@@ -108,13 +128,45 @@ class Expression:
         return out
 
 
-def format_number(value: float) -> str:
-    """The shortest text that reads back as the same number.
+def format_call(
+    name: str, labels: Iterable[str] = (), parameters: Iterable[tuple[str, object]] = ()
+) -> str:
+    """A call as text, from which :func:`~moseg_core.language.parse_call` reads it again.
 
     Examples
     --------
-    >>> format_number(3.0), format_number(0.1), format_number(1e-6)
-    ('3', '0.1', '1e-06')
+    >>> format_call("greedy", parameters=[("order", "head,body")])
+    'greedy(order="head,body")'
     """
+    inside = [*labels, *(f"{key}={format_value(value)}" for key, value in parameters)]
+    return f"{name}({', '.join(inside)})" if inside else name
+
+
+def format_value(value: object) -> str:
+    """The value of a parameter as text: words in quotes where they would not be read as such.
+
+    Examples
+    --------
+    >>> [format_value(value) for value in (2.0, "exact", "1.5", "none", None)]
+    ['2', 'exact', '"1.5"', '"none"', 'none']
+    """
+    if value is None:
+        return "none"
+    if isinstance(value, Real):
+        return format_number(value)
+    word = str(value)
+    return word if is_word(word) and word not in LITERALS else quoted(word)
+
+
+def format_number(value: Real | float) -> str:
+    """The shortest text that reads back as the same number; a truth value as 1 or 0.
+
+    Examples
+    --------
+    >>> format_number(3.0), format_number(0.1), format_number(1e-6), format_number(2**60 + 1)
+    ('3', '0.1', '1e-06', '1152921504606846977')
+    """
+    if isinstance(value, Integral):
+        return str(int(value))
     text = repr(float(value))
     return text[:-2] if text.endswith(".0") else text

@@ -2,7 +2,9 @@
 
 The one subtlety is ``*``: between a number and a name it multiplies, inside parentheses it is
 always part of a glob, so that ``10*narrow(leg*)`` means what it looks like. The tokenizer
-therefore counts parentheses. The characters ``/ { } ..`` are reserved for later.
+therefore counts parentheses. Between double quotes every character stands for itself, but for
+the quote and the backslash, which a backslash announces; :func:`quoted` and :func:`unquoted` are
+the two directions. The characters ``/ { } ..`` are reserved for later.
 """
 
 from __future__ import annotations
@@ -13,18 +15,20 @@ from typing import Literal
 
 from moseg_core.errors import ExpressionError
 
-TokenKind = Literal["number", "word", "glob", "symbol", "end"]
+TokenKind = Literal["number", "word", "glob", "quoted", "symbol", "end"]
 
 _SPACE = re.compile(r"\s*")
 _NUMBER = re.compile(r"(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?(?![\w.])", re.ASCII)
 _WORD = re.compile(r"\w+", re.ASCII)
 _GLOB = re.compile(r"[\w*]+", re.ASCII)
+_OPEN_QUOTATION = re.compile(r'"(?:[^"\\]|\\["\\])*')
+_ESCAPED = re.compile(r'\\(["\\])')
 _RESERVED = re.compile(r"\.\.|[/{}]")
 
 
 @dataclass(frozen=True)
 class Token:
-    """A token: ``text`` stands at ``start`` in the expression."""
+    """A token: ``text``, with its quotes if it has any, stands at ``start`` in the expression."""
 
     kind: TokenKind
     text: str
@@ -42,7 +46,7 @@ def tokenize(text: str) -> list[Token]:
     Raises
     ------
     ExpressionError
-        A character that means nothing here, or is reserved.
+        A character that means nothing here, or is reserved; a quote that does not end.
 
     Examples
     --------
@@ -74,6 +78,8 @@ def _token_at(text: str, at: int, *, inside: bool, value: bool) -> Token:
         return Token("glob" if "*" in glob.group() else "word", glob.group(), at)
     if not inside and (word := _WORD.match(text, at)):
         return Token("word", word.group(), at)
+    if text[at] == '"':
+        return _quotation(text, at)
     if reserved := _RESERVED.match(text, at):
         raise ExpressionError(
             f"'{reserved.group()}' is reserved for later versions", text, at, reserved.end()
@@ -81,3 +87,38 @@ def _token_at(text: str, at: int, *, inside: bool, value: bool) -> Token:
     if text[at] in "+-*(),=:@":
         return Token("symbol", text[at], at)
     raise ExpressionError(f"unexpected character {text[at]!r}", text, at)
+
+
+def _quotation(text: str, at: int) -> Token:
+    """The quoted word that begins at a place."""
+    stop = _OPEN_QUOTATION.match(text, at).end()  # type: ignore[union-attr]  # a quote is there
+    after = text[stop : stop + 1]
+    if after == "\\":
+        reason = "in quotes a backslash stands before a quote or another backslash"
+        raise ExpressionError(f"{reason}; write two for one", text, stop)
+    if not after:
+        raise ExpressionError("the quote does not end; close it with another", text, at, stop)
+    return Token("quoted", text[at : stop + 1], at)
+
+
+def quoted(word: str) -> str:
+    r"""A word in quotes, whatever is in it.
+
+    Examples
+    --------
+    >>> print(quoted('12" pipe'))
+    "12\" pipe"
+    """
+    escaped = word.replace("\\", "\\\\").replace('"', '\\"')
+    return f'"{escaped}"'
+
+
+def unquoted(text: str) -> str:
+    r"""The word that a quoted token stands for.
+
+    Examples
+    --------
+    >>> print(unquoted(r'"12\" pipe"'))
+    12" pipe
+    """
+    return _ESCAPED.sub(r"\1", text[1:-1])

@@ -14,7 +14,7 @@ from typing import Any
 
 from moseg_core.components.discovery.registry import Registry
 from moseg_core.components.objectives import COST_ORDER
-from moseg_core.components.parameters import check_parameters
+from moseg_core.components.parameters import Parameter, check_parameters
 from moseg_core.components.protocols import Objective
 from moseg_core.errors import ExpressionError, PluginError, UsageError, nearest, unknown
 from moseg_core.language import Argument, Expression, Term
@@ -141,19 +141,7 @@ def _bind_term(
     traits = target.traits
     chosen = chosen_labels(term, text, labels)
     _check_count(term, text, target, len(chosen))
-    parameters: dict[str, Any] = {}
-    optional = tuple(replace(parameter, required=False) for parameter in target.parameters)
-    # An expression made in Python need not say where its parameters stand.
-    spans = term.keys or (term.span,) * len(term.parameters)
-    for (key, value), span in zip(term.parameters, spans, strict=True):
-        try:
-            parameters |= check_parameters(optional, {key: value}, f"'{term.name}'")
-        except UsageError as error:
-            raise ExpressionError(str(error), text, *span) from error
-    try:
-        check_parameters(target.parameters, parameters, f"'{term.name}'")
-    except UsageError as error:
-        raise ExpressionError(str(error), text, *term.span) from error
+    parameters = chosen_parameters(term, text, target.parameters)
     if traits.arity == "unary":
         calls: tuple[tuple[int, ...], ...] = tuple((index,) for index in chosen)
     else:
@@ -215,6 +203,30 @@ def chosen_labels(term: Term, text: str, labels: Sequence[str]) -> list[int]:
                 )
             chosen.append(index)
     return chosen
+
+
+def chosen_parameters(term: Term, text: str, declared: tuple[Parameter, ...]) -> dict[str, Any]:
+    """The parameters that a call gives, checked against their declaration.
+
+    Raises
+    ------
+    ExpressionError
+        One that is unknown, of another type, out of range or missing; points at the place.
+    """
+    parameters: dict[str, Any] = {}
+    optional = tuple(replace(parameter, required=False) for parameter in declared)
+    # A call made in Python need not say where its parameters stand.
+    spans = term.keys or (term.span,) * len(term.parameters)
+    for (key, value), span in zip(term.parameters, spans, strict=True):
+        try:
+            parameters |= check_parameters(optional, {key: value}, f"'{term.name}'")
+        except UsageError as error:
+            raise ExpressionError(str(error), text, *span) from error
+    try:
+        check_parameters(declared, parameters, f"'{term.name}'")
+    except UsageError as error:
+        raise ExpressionError(str(error), text, *term.span) from error
+    return parameters
 
 
 def _match(argument: Argument, text: str, labels: Sequence[str]) -> list[int]:

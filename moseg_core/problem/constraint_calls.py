@@ -1,7 +1,7 @@
 """Constraints as a user writes them: ``mirror(leg2, leg1)``, ``on_plane(body)``, or a function.
 
-A rule is a call of the expression language, whose parameters may be words, or an object made from a
-function by :func:`constraint`. Names and labels are looked up before any shape is read; the
+A rule is a call of the expression language about labels, or an object made from a function by
+:func:`constraint`. Names and labels are looked up before any shape is read; the
 constraint itself (:class:`moseg_core.components.protocols.Constraint`) is made when the shape is
 there, and :mod:`moseg_core.problem.constraints` puts several together.
 """
@@ -14,11 +14,11 @@ from typing import Any
 
 from moseg_core.components.constraint_function import FunctionConstraint
 from moseg_core.components.discovery.registry import Component, Registry, describe
-from moseg_core.components.parameters import Parameter, check_parameters, declared_parameters
+from moseg_core.components.parameters import declared_parameters
 from moseg_core.components.protocols import Constraint
 from moseg_core.errors import REPORT, ExpressionError, MosegError, PluginError, UsageError
-from moseg_core.language import Argument, Term, parse_constraint
-from moseg_core.problem.binding import chosen_labels
+from moseg_core.language import Argument, Term, parse_call
+from moseg_core.problem.binding import chosen_labels, chosen_parameters
 from moseg_core.shape.shape import Shape
 
 
@@ -151,7 +151,7 @@ def bind_rules(
 def _from_text(
     text: str, labels: Sequence[str], registry: Registry, plane: str | None
 ) -> list[Rule]:
-    term = parse_constraint(text)
+    term = parse_call(text, labels=True)
     try:
         component = registry.find("constraint", term.name)
     except UsageError as error:
@@ -165,7 +165,7 @@ def _from_text(
         )
     except TypeError as error:
         raise PluginError(f"{component.who} cannot be used: {error}; {REPORT}") from error
-    parameters = _parameters(term, text, declared)
+    parameters = chosen_parameters(term, text, declared)
     if plane is not None and any(parameter.name == "plane" for parameter in declared):
         parameters.setdefault("plane", plane)
     chosen = chosen_labels(term, text, labels) or list(range(len(labels)))
@@ -188,10 +188,3 @@ def _from_text(
 def _about(term: Term, names: Sequence[str]) -> str:
     """The same call of certain labels, with its parameters."""
     return str(replace(term, arguments=tuple(Argument(name) for name in names)))
-
-
-def _parameters(term: Term, text: str, declared: tuple[Parameter, ...]) -> dict[str, Any]:
-    try:
-        return check_parameters(declared, dict(term.parameters), f"'{term.name}'")
-    except UsageError as error:
-        raise ExpressionError(str(error), text, *term.span) from error

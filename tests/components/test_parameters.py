@@ -157,9 +157,13 @@ def test_values_come_back_in_the_declared_type(kind, value, result):
         (float, 1j, "must be a number, not 1j"),
         (int, False, "must be a number, not False"),
         (int, 2.5, "must be whole, not 2.5"),
-        (bool, "yes", "must be a bool, not 'yes'"),
-        (bool, None, "must be a bool, not None"),
-        (str, 3, "must be a str, not 3"),
+        (bool, "yes", "must be true or false, not 'yes'"),
+        (bool, None, "must be true or false, not None"),
+        (bool, 0.5, "must be true or false, not 0.5"),
+        (str, 3, 'must be a word, not 3; in quotes it is one: k="3"'),
+        (str, True, 'must be a word, not True; in quotes it is one: k="true"'),
+        (str, None, 'must be a word, not None; in quotes it is one: k="none"'),
+        (str, ["a"], "must be a word, not ['a']"),
     ],
 )
 def test_values_of_another_type_are_refused(kind, value, complaint):

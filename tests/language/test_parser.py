@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import dataclasses
 from pathlib import Path
 
 import pytest
@@ -18,12 +19,34 @@ NAMES = st.from_regex(r"[A-Za-z_][A-Za-z0-9_]{0,6}", fullmatch=True)
 OBJECTIVES = st.one_of(NAMES, st.tuples(NAMES, NAMES).map(":".join))
 PATTERNS = st.from_regex(r"[A-Za-z0-9_*]{1,6}", fullmatch=True)
 NUMBERS = st.floats(allow_nan=False, allow_infinity=False)
+TRICKY = [
+    "a b",
+    "1.5",
+    "-3",
+    "1e5",
+    "x,y",
+    "",
+    "tête",
+    '"',
+    "\\",
+    '\\"',
+    "a*",
+    "true",
+    "none",
+    "\n",
+    "=",
+    ")",
+]
+WORDS = st.one_of(NAMES, st.sampled_from(TRICKY), st.text())
+INTEGERS = st.integers(-(10**300), 10**300)
+VALUES = st.one_of(NUMBERS, st.sampled_from([1e-300, -1e-300]), INTEGERS, WORDS, st.none())
 TERMS = st.builds(
     Term,
     name=OBJECTIVES,
     arguments=st.lists(st.builds(Argument, PATTERNS), max_size=3).map(tuple),
-    parameters=st.dictionaries(NAMES, NUMBERS, max_size=3).map(lambda d: tuple(d.items())),
+    parameters=st.dictionaries(NAMES, VALUES, max_size=3).map(lambda d: tuple(d.items())),
     weight=st.one_of(st.sampled_from([1.0, -1.0]), NUMBERS.filter(bool)),
+    space=st.one_of(st.just(""), NAMES),
 )
 EXPRESSIONS = st.builds(Expression, st.lists(TERMS, min_size=1, max_size=4).map(tuple))
 SPACES = st.sampled_from(["", " ", "\n", "\t  ", "\r\n"])
@@ -47,6 +70,27 @@ def test_space_changes_nothing(expression, data):
 @given(TERMS)
 def test_a_term_reads_back_as_itself(term):
     assert parse(str(term)).terms == (term,)
+
+
+@given(TERMS)
+def test_a_call_about_labels_reads_back_as_itself(term):
+    call = dataclasses.replace(term, weight=1.0, space="")
+    assert parse_call(str(call), labels=True) == call
+
+
+@given(TERMS)
+def test_a_call_without_labels_reads_back_as_itself(term):
+    call = dataclasses.replace(term, arguments=(), weight=1.0, space="")
+    assert parse_call(str(call)) == call
+    assert parse(str(call)).terms == (call,)
+
+
+@given(st.dictionaries(NAMES, VALUES, max_size=3))
+def test_values_read_back_with_their_types(parameters):
+    read = dict(parse_call(str(Term("f", parameters=tuple(parameters.items())))).parameters)
+    for key, value in parameters.items():
+        whole = isinstance(value, float) and value.is_integer()
+        assert isinstance(read[key], type(value)) or whole
 
 
 @pytest.mark.parametrize(
@@ -76,6 +120,21 @@ def test_weights(text, weight):
         ("f(k=+.5)", 0.5),
         ("f(k= - 1e-3)", -0.001),
         ("f(k=0)", 0),
+        ("f(k=-9007199254740993)", -9007199254740993),
+        ("f(k=" + "0" * 5000 + "7)", 7),
+        ("f(k=exact)", "exact"),
+        ("f(k=_1)", "_1"),
+        ('f(k="exact")', "exact"),
+        ('f( k = "two words" )', "two words"),
+        ('f(k="1.5")', "1.5"),
+        ('f(k="")', ""),
+        (r'f(k="a\"b\\")', 'a"b\\'),
+        ('f(k="ê / { } ..")', "ê / { } .."),
+        ("f(k=true)", True),
+        ("f(k=false)", False),
+        ("f(k=none)", None),
+        ('f(k="true")', "true"),
+        ('f(k="none")', "none"),
     ],
 )
 def test_values_of_parameters(text, value):
@@ -140,13 +199,24 @@ MISTAKES = [
     ("expected a label, found '-'", "f(-2)", "  ^"),
     ("expected a label, found '='", "f(=2)", "  ^"),
     ("expected a label, found '('", "f((a))", "  ^"),
-    ("expected a number, found ')'", "f(k=)", "    ^"),
-    ("expected a number, found 'x'", "f(k=x)", "    ^"),
-    ("expected a number, found 'leg*'", "f(k=leg*)", "    ^^^^"),
-    ("expected a number, found '1e'", "f(k=1e)", "    ^^"),
+    ("expected a number or a word, found ')'", "f(k=)", "    ^"),
+    ("expected a number or a word, found 'leg*'", "f(k=leg*)", "    ^^^^"),
+    ("expected a number or a word, found '1e'", "f(k=1e)", "    ^^"),
     ("expected a number, found '-'", "f(k=--1)", "     ^"),
-    ("expected a number, found the end", "f(k=", "    ^"),
-    ("expected a number, found '='", "f(k==1)", "    ^"),
+    ("expected a number, found 'x'", "f(k=-x)", "     ^"),
+    ("expected a number, found '\"1\"'", 'f(k=-"1")', "     ^^^"),
+    ("expected a number or a word, found the end", "f(k=", "    ^"),
+    ("expected a number or a word, found '='", "f(k==1)", "    ^"),
+    ("'2k' cannot be the name of a parameter; names begin with a letter or '_'", "f(2k=1)", "  ^^"),
+    ("'k*' cannot be the name of a parameter; names begin with a letter or '_'", "f(k*=1)", "  ^^"),
+    ("the quote does not end; close it with another", 'f(k="a)', "    ^^^"),
+    ("the quote does not end; close it with another", 'f(k="a\\")', "    ^^^^^"),
+    (
+        "in quotes a backslash stands before a quote or another backslash; write two for one",
+        'f(k="a\\b")',
+        "      ^",
+    ),
+    ("expected the name of an objective, found '\"f\"'", '"f"', "^^^"),
     ("parameter 'k' is given twice", "f(k=1, j=2, k=3)", "            ^"),
     ("labels come before parameters", "f(a, k=1, leg*)", "          ^^^^"),
     ("a weight of 0 leaves the term out; remove it", "f + 0.0*g", "    ^^^"),
@@ -165,7 +235,7 @@ MISTAKES = [
     ),
     ("expected the name of a space after '@', such as original, found '3'", "f(a) @ 3", "       ^"),
     ("unexpected character '.'", "f.g(a)", " ^"),
-    ("unexpected character '\"'", 'f("a")', "  ^"),
+    ("expected a label, found '\"a\"'", 'f("a")', "  ^^^"),
     ("unexpected character 'ê'", "f(tête)", "   ^"),
     ("unexpected character '.'", "f(k=1.2.3)", "     ^"),
 ]
@@ -202,7 +272,7 @@ def expression_or_error(text: str) -> Expression | ExpressionError:
         return error
 
 
-ALPHABET = st.sampled_from([*"ab13.e*+-(),=:_ ", "..", "leg*", "k=", "1e5", "f(", "\n", "@"])
+ALPHABET = st.sampled_from([*'ab13.e*+-(),=:_ "\\', "..", "leg*", "k=", "1e5", "f(", "\n", "@"])
 
 
 @given(st.one_of(st.text(), st.lists(ALPHABET, max_size=14).map("".join)))
@@ -239,7 +309,7 @@ def test_any_text_is_a_call_or_refused(text):
     [
         "__import__('os').mkdir('made')",
         "exec('import os')",
-        "f(k=__import__)",
+        "f(k=__import__('os'))",
         "().__class__",
         "[].append(1)",
         "lambda: 0",
@@ -279,15 +349,20 @@ def test_calls(text, name, parameters):
     assert (term.name, term.parameters, term.arguments, term.weight) == (name, parameters, (), 1.0)
 
 
+WITHOUT_LABELS = 'expected key=value; words with other characters stand in quotes: key="a,b"'
+
+
 @pytest.mark.parametrize(
     ("reason", "text", "carets"),
     [
-        ("expected key=number", "kmeans(rounds)", "       ^^^^^^"),
-        ("expected key=number", "kmeans(5)", "       ^"),
-        ("expected key=number", "kmeans(*)", "       ^"),
+        (WITHOUT_LABELS, "kmeans(rounds)", "       ^^^^^^"),
+        (WITHOUT_LABELS, "kmeans(5)", "       ^"),
+        (WITHOUT_LABELS, "kmeans(*)", "       ^"),
+        (WITHOUT_LABELS, "greedy(order=a, b)", "                ^"),
+        ("expected key=value, found '\"a\"'", 'kmeans("a")', "       ^^^"),
+        ("expected the end, found '@'", "kmeans @ mds", "       ^"),
         ("expected the end, found '+'", "kmeans + given", "       ^"),
         ("expected the end, found 'given'", "kmeans given", "       ^^^^^"),
-        ("labels come before parameters", "kmeans(a=1, b)", "            ^"),
     ],
 )
 def test_mistakes_in_calls(reason, text, carets):

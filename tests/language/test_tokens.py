@@ -7,7 +7,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from moseg_core.errors import ExpressionError
-from moseg_core.language.tokens import Token, tokenize
+from moseg_core.language.tokens import Token, quoted, tokenize, unquoted
 
 
 def kinds(text: str) -> list[tuple[str, str]]:
@@ -103,7 +103,7 @@ def test_reserved_characters_say_so(mark, before):
 
 @pytest.mark.parametrize(
     "character",
-    [*"$!\"'[];<>&|^%?~\\#`.", "é", "²", "\xd7", "\u2212", "\0", "\x7f", "\ud800", "\U0001d51e"],
+    [*"$!'[];<>&|^%?~\\#`.", "é", "²", "\xd7", "\u2212", "\0", "\x7f", "\ud800", "\U0001d51e"],
 )
 @pytest.mark.parametrize("before", ["", "f(a", "3*f + "])
 def test_other_characters_are_refused_where_they_stand(character, before):
@@ -112,6 +112,29 @@ def test_other_characters_are_refused_where_they_stand(character, before):
     error = caught.value
     assert error.reason == f"unexpected character {character!r}"
     assert (error.start, error.stop) == (len(before), len(before) + 1)
+
+
+@pytest.mark.parametrize(
+    ("text", "word"),
+    [
+        ('""', ""),
+        ('"a b"', "a b"),
+        (r'"\""', '"'),
+        (r'"\\"', "\\"),
+        (r'"\\\""', '\\"'),
+        ('"(,=*/{}..\n"', "(,=*/{}..\n"),
+    ],
+)
+def test_between_quotes_characters_stand_for_themselves(text, word):
+    middle = [("quoted", text), ("symbol", ","), ("glob", "a*"), ("symbol", ")")]
+    assert kinds(f"f(k={text}, a*)")[4:] == middle
+    assert unquoted(text) == word
+
+
+@given(st.text())
+def test_any_word_in_quotes_is_one_token_that_reads_back(word):
+    token, end = tokenize(quoted(word))
+    assert (token.kind, unquoted(token.text), end.kind) == ("quoted", word, "end")
 
 
 @pytest.mark.parametrize("text", ["٣*f", "f(k=٣)", "٣", "३.५*f"])
@@ -139,7 +162,7 @@ def tokens_or_error(text: str) -> list[Token] | ExpressionError:
         return error
 
 
-ALPHABET = st.sampled_from("ab1.e*+-(),=: \n/")
+ALPHABET = st.sampled_from('ab1.e*+-(),=: \n/"\\')
 
 
 @given(st.one_of(st.text(), st.text(ALPHABET)))
@@ -151,7 +174,11 @@ def test_tokens_are_the_text_without_its_space_each_at_its_place(text):
     if isinstance(tokens, ExpressionError):
         assert 0 <= tokens.start < tokens.stop <= len(text)
         return
-    assert "".join(token.text for token in tokens) == "".join(text.split())
+    between = [
+        text[a.stop : b.start]
+        for a, b in zip([Token("end", "", 0), *tokens[:-1]], tokens, strict=True)
+    ]
+    assert not "".join(between).strip()
     for token in tokens:
         assert text[token.start : token.stop] == token.text
     assert [token.kind for token in tokens].count("end") == 1

@@ -1,7 +1,7 @@
 """What every component promises of its parameters: what it declares is what may be said.
 
 A declaration is one line in a signature (:mod:`moseg_core.components.parameters`). From it come the
-check of ``key=number`` in expressions and recipes, the defaults and the documentation; so it has to
+check of ``key=value`` in expressions and recipes, the defaults and the documentation; so it has to
 be true.
 """
 
