@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
 import numpy as np
 
 from moseg_core.components.constraint_function import constraint
 from moseg_core.components.discovery.registry import Bundle, Component, Registry, registry
 from moseg_core.components.discovery.specs import ConstraintSpec
+from moseg_core.components.parameters import Interval
 
 TINY = np.finfo(np.float64).tiny
 FLIP = np.array([-1.0, 1.0, 1.0, 1.0])
@@ -59,6 +62,16 @@ class OnPlane:
     def reduce(self, centers):
         free = centers[self.label, 1:]
         return free, self.expand(free, centers)
+
+
+class Tilted(OnPlane):
+    """Takes a word and a number."""
+
+    def __init__(
+        self, shape, labels, *, plane: str = "auto", share: Annotated[float, Interval(0, 1)] = 0.5
+    ):
+        super().__init__(shape, labels, plane=plane)
+        self.share = share
 
 
 class Between:
@@ -114,7 +127,7 @@ def pair(free):
 
 def known() -> Registry:
     """Everything installed, and these constraints as the bundle ``test``."""
-    names = ["Mirror", "Upside", "OnPlane", "Between", "Itself", "Misshapen", "Failing"]
+    names = ["Mirror", "Upside", "OnPlane", "Tilted", "Between", "Itself", "Misshapen", "Failing"]
     names += ["Nothing", "pair"]
     specs = [ConstraintSpec(name=name.lower(), target=f"{__name__}:{name}") for name in names]
     found = tuple(Component("test", "tests 1.0", spec) for spec in specs)

@@ -21,8 +21,8 @@ class Greedy:
     Parameters
     ----------
     order : str or None
-        Labels separated by commas, in the order of assignment; those left out follow in the
-        problem's order. None is the problem's order.
+        Labels separated by commas, in the order of assignment, ``order="head,body"``; those left
+        out follow in the problem's order. None is the problem's order.
     """
 
     def __init__(self, *, order: str | None = None) -> None:

@@ -29,7 +29,7 @@ def test_walk_through(moseg, mallet, tmp_path):
 
     by_hand = ("--centers", "handle=-0.5,0,0,head=2.2,0,0")
     assert moseg("segment", mallet, *problem, *by_hand, "-o", first).code == 0
-    assert read(first)["method"]["seeder"].startswith("core:given(centers=handle=-0.5,0,0")
+    assert read(first)["method"]["seeder"].startswith('core:given(centers="handle=-0.5,0,0')
 
     # What if the handle mattered more? No search: the same labels under another expression.
     heavier = SENTENCE.replace("3*", "9*")

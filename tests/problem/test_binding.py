@@ -54,7 +54,14 @@ def tube(part: Part, *, radius: float, wall: float) -> float:
     return 0.0
 
 
-OWN = {"thin": thin, "across": across, "alike": alike, "filled": filled, "tube": tube}
+@objective(range=(0, 1))
+def like(
+    part: Part, *, kind: str = "tube", strict: bool = False, most: float | None = 1.0
+) -> float:
+    return 0.0
+
+
+OWN = {"thin": thin, "like": like, "across": across, "alike": alike, "filled": filled, "tube": tube}
 
 
 def installed(*ids: str, target: str = "home_of_objectives:thin") -> Registry:
@@ -363,6 +370,39 @@ class Handmade:
 def test_an_objective_is_whatever_answers_the_protocol(home):
     home.thin = Handmade()
     assert bound("slim(head)", installed("basic:slim"))[0].objective is home.thin
+
+
+@pytest.mark.parametrize(
+    ("given", "parameters"),
+    [
+        ("kind=cone", {"kind": "cone"}),
+        ('kind="two words, \\"1.5\\""', {"kind": 'two words, "1.5"'}),
+        ("strict=true, kind=tube", {"strict": True, "kind": "tube"}),
+        ("strict=0", {"strict": False}),
+        ("most=none", {"most": None}),
+        ("most=2", {"most": 2.0}),
+    ],
+)
+def test_parameters_are_numbers_or_words_as_the_objective_declares(given, parameters):
+    (term,) = bound(f"like(head, {given})")
+    assert term.parameters == parameters
+    (again,) = bound(str(term.term))
+    assert again.parameters == parameters
+
+
+@pytest.mark.parametrize(
+    ("text", "message", "place"),
+    [
+        ("thin(head, power=fast)", "parameter 'power' must be a number, not 'fast'", "power"),
+        ("like(head, kind=3)", 'must be a word, not 3; in quotes it is one: kind="3"', "kind"),
+        ("like(head, strict=maybe)", "must be true or false, not 'maybe'", "strict"),
+    ],
+)
+def test_values_of_another_type_are_pointed_at(text, message, place):
+    with pytest.raises(ExpressionError) as caught:
+        bound(text)
+    assert message in caught.value.reason
+    assert text[caught.value.start : caught.value.stop] == place
 
 
 NAMES = st.lists(

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-from moseg_core.components.constraint_function import FunctionConstraint, constraint
+from moseg_core.components.constraint_function import FunctionConstraint
 from moseg_core.components.protocols import Constraint
 from moseg_core.errors import ExpressionError, PluginError, UsageError
+from moseg_core.language import Argument, Term
 from moseg_core.problem.constraint_calls import bind_rules
 from moseg_core.problem.problem import Problem
-from tests.reflections import FLIP, known, pair
+from tests.reflections import known, pair
 
 LABELS = ("head", "body", "leg1", "leg2")
 
@@ -36,6 +38,36 @@ def test_what_a_rule_says_of_itself_gives_the_same_rule_again():
     for rule in rules:
         (again,) = bound(rule.text)
         assert (again.id, again.labels, again.parameters) == (rule.id, rule.labels, rule.parameters)
+
+
+@given(
+    words=st.one_of(
+        st.text(), st.sampled_from(["a b", "1.5", "0,0,0,1,0,0", "", "tête", '"', "\\", "none"])
+    ),
+    share=st.floats(0, 1),
+)
+def test_any_parameter_reads_back_from_what_a_rule_says_of_itself(words, share):
+    term = Term("tilted", (Argument("leg*"),), (("plane", words), ("share", share)))
+    for rule in bound(str(term)):
+        assert rule.parameters == {"plane": words, "share": share}
+        (again,) = bound(rule.text)
+        assert (again.id, again.labels, again.parameters) == (rule.id, rule.labels, rule.parameters)
+
+
+@pytest.mark.parametrize(
+    ("text", "message", "place"),
+    [
+        ("tilted(head, share=x)", "parameter 'share' must be a number, not 'x'", "share"),
+        ("tilted(head, plane=y, share=2)", "'share' is 2; allowed is 0 to 1", "share"),
+        ("tilted(head, plane=3)", "must be a word, not 3; in quotes it is one: plane=", "plane"),
+        ("tilted(head, plain=x)", "unknown parameter 'plain'", "plain"),
+    ],
+)
+def test_a_mistake_in_a_parameter_is_pointed_at(text, message, place):
+    with pytest.raises(ExpressionError) as caught:
+        bound(text)
+    assert message in caught.value.reason
+    assert text[caught.value.start : caught.value.stop] == place
 
 
 def test_a_plane_is_passed_to_those_that_take_one_and_are_not_given_one():
@@ -81,47 +113,6 @@ def test_a_function_is_a_constraint_on_all_labels_or_those_given():
     assert (whole.labels, whole.id) == ((0, 1), "python:pair")
     assert isinstance(whole.make(None), Constraint)
     assert isinstance(pair.__doc__, str)
-
-
-def test_the_free_numbers_of_a_function_are_found_by_least_squares():
-    (rule,) = bound("pair(leg1, leg2)")
-    made = rule.make(None)
-    rng = np.random.default_rng(3)
-    for _ in range(20):
-        free = rng.normal(size=4)
-        given = rng.normal(size=(4, 4))
-        centers = made.expand(free, given)
-        assert (centers[:2] == given[:2]).all()
-        assert made.reduce(centers)[0] == pytest.approx(free, abs=1e-9)
-        # The nearest pair to any two centres: the mean of the one and the other's image.
-        assert made.reduce(given)[0] == pytest.approx((given[2] + FLIP * given[3]) / 2, abs=1e-7)
-
-
-def test_a_curved_family_is_reduced_too():
-    @constraint(start=[0.5, 1.0])
-    def on_circle(free):
-        angle, weight = free
-        return [[np.cos(angle), np.sin(angle), 0, weight]]
-
-    made = on_circle(None, (0,))
-    free, rows = made.reduce(np.array([[3.0, 3.0, 0.0, 2.0]]))
-    assert free == pytest.approx([np.pi / 4, 2.0], abs=1e-7)
-    assert rows[0, :2] == pytest.approx([0.5**0.5, 0.5**0.5], abs=1e-7)
-
-
-def test_a_function_that_returns_too_few_rows_is_named():
-    @constraint(start=[1.0])
-    def short(free):
-        return [[0, 0, 0, 1]]
-
-    with pytest.raises(UsageError, match=r"'short' must return a row .* for each of 2 labels"):
-        short(None, (0, 1)).expand(np.ones(1), np.zeros((2, 4)))
-
-
-@pytest.mark.parametrize("start", [[], [np.nan], [[1.0]]])
-def test_a_start_that_is_none_is_refused(start):
-    with pytest.raises(ValueError, match="a finite number for each free parameter"):
-        constraint(start=start)
 
 
 def test_a_problem_checks_its_constraints_when_it_is_made():
