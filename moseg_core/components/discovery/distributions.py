@@ -19,6 +19,9 @@ from pathlib import Path
 
 ENTRY_POINT_GROUP = "moseg"
 
+_DISTRIBUTION = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
+_EXTRA = re.compile(r"\bextra\b")
+
 
 @dataclass(frozen=True)
 class Claim:
@@ -41,7 +44,7 @@ class Claim:
     @property
     def claimant(self) -> str:
         """The distribution's name in its normal form, by which two are told apart."""
-        return _normal(self.distribution)
+        return normal_name(self.distribution)
 
 
 def installed_points() -> list[metadata.EntryPoint]:
@@ -131,6 +134,47 @@ def _source(point: metadata.EntryPoint) -> Path | None:
     return Path(place).resolve() if place else None
 
 
-def _normal(name: str) -> str:
-    """A distribution's name in its normal form (PyPA: "Names and normalization")."""
+def normal_name(name: str) -> str:
+    """A distribution's name in its normal form (PyPA: "Names and normalization").
+
+    Examples
+    --------
+    >>> normal_name("Moseg_Core")
+    'moseg-core'
+    """
     return re.sub(r"[-_.]+", "-", name).lower()
+
+
+def required_distributions(name: str) -> frozenset[str]:
+    """What a distribution cannot do without, by its metadata, and what that needs in its turn.
+
+    Parameters
+    ----------
+    name : str
+        Of a distribution; one that is not installed needs nothing.
+
+    Returns
+    -------
+    frozenset of str
+        Names in normal form, installed or not. What only extras need is left out; other markers
+        are not looked at.
+
+    Examples
+    --------
+    >>> "pluggy" in required_distributions("moseg-core")
+    True
+    """
+    found: set[str] = set()
+    left = [normal_name(name)]
+    while left:
+        try:
+            needed = metadata.requires(left.pop()) or []
+        except metadata.PackageNotFoundError:
+            continue
+        for requirement in needed:
+            wanted, _, marker = requirement.partition(";")
+            match = _DISTRIBUTION.match(wanted)
+            if match and not _EXTRA.search(marker) and normal_name(match.group()) not in found:
+                found.add(normal_name(match.group()))
+                left.append(normal_name(match.group()))
+    return frozenset(found)

@@ -28,7 +28,13 @@ from typing import Any, Protocol, cast
 import pluggy
 
 from moseg_core.components.discovery import contract, hookspecs
-from moseg_core.components.discovery.distributions import Claim, installed_points, read_claims
+from moseg_core.components.discovery.distributions import (
+    Claim,
+    installed_points,
+    normal_name,
+    read_claims,
+    required_distributions,
+)
 from moseg_core.components.discovery.hookspecs import HOOKS
 from moseg_core.components.discovery.specs import NAME, Kind, MeasureSpec, Spec
 from moseg_core.errors import REPORT, MosegError, PluginError, UsageError, nearest, unknown
@@ -160,8 +166,17 @@ class Registry:
             for component in components
         )
 
-    def find(self, kind: Kind, name: str) -> Component:
+    def find(self, kind: Kind, name: str, *, scope: str | None = None) -> Component:
         """The component called `name`, as ``bundle:name`` or bare where that is unique.
+
+        Parameters
+        ----------
+        kind : Kind
+        name : str
+        scope : str, optional
+            The bundle that says so. Where several have the name it means its own component, or
+            else that of a bundle whose distribution its own one requires; the core is required
+            by all.
 
         Raises
         ------
@@ -172,6 +187,8 @@ class Registry:
         """
         components = self.components(kind)
         matches = [c for c in components if name in (c.id, c.spec.name)]
+        if len(matches) > 1 and scope is not None:
+            matches = self._known_to(scope, matches) or matches
         if len(matches) == 1:
             return matches[0]
         if matches:
@@ -187,6 +204,26 @@ class Registry:
         known = [c.id for c in components] if namespace else self.names(kind)
         message = unknown(kind, name, known)
         raise UsageError(message + self._mention_aside())
+
+    def _known_to(self, scope: str, components: Sequence[Component]) -> list[Component]:
+        """Those that a bundle was written with: its own, or else those that it requires."""
+        own = [component for component in components if component.bundle == scope]
+        if own:
+            return own
+        homes = {bundle.name: bundle.distribution for bundle in self.bundles}
+        required = required_distributions(homes.get(scope, "")) | {"moseg-core"}
+        return [c for c in components if normal_name(homes[c.bundle]) in required]
+
+    def in_full(self, kind: Kind, name: str, scope: str) -> str:
+        """A name that a bundle uses, as anybody may use it: the id where it is ambiguous.
+
+        Raises
+        ------
+        UsageError
+            It is ambiguous even among the components that the bundle was written with.
+        """
+        offered = [component.spec.name for component in self.components(kind)]
+        return name if offered.count(name) < 2 else self.find(kind, name, scope=scope).id
 
     def _mention_aside(self) -> str:
         aside = [bundle.name for bundle in self.bundles if bundle.problem]
