@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import importlib
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from importlib import metadata
 from pathlib import Path
 from textwrap import dedent
@@ -49,6 +49,7 @@ class Site:
         version: str = "1.0",
         *,
         bundles: Mapping[str, str],
+        requires: Sequence[str] = (),
         **modules: str,
     ) -> None:
         """Install a distribution.
@@ -58,6 +59,8 @@ class Site:
         distribution, version : str
         bundles : mapping of str to str
             For each entry point its value.
+        requires : sequence of str
+            Distributions that it says it cannot do without, as in its metadata.
         **modules : str
             Source of each module.
         """
@@ -66,6 +69,7 @@ class Site:
         info = self.folder / f"{distribution.replace('-', '_')}-{version}.dist-info"
         info.mkdir()
         header = f"Metadata-Version: 2.1\nName: {distribution}\nVersion: {version}\n"
+        header += "".join(f"Requires-Dist: {requirement}\n" for requirement in requires)
         (info / "METADATA").write_text(header, encoding="utf-8")
         points = "".join(f"{name} = {value}\n" for name, value in bundles.items())
         (info / "entry_points.txt").write_text(f"[moseg]\n{points}", encoding="utf-8")
@@ -95,3 +99,38 @@ def site(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Site]:
     for name, module in list(sys.modules.items()):
         if (getattr(module, "__file__", None) or "").startswith(str(folder)):
             del sys.modules[name]
+
+
+#: What a stranger may call as somebody else did; there are no such modules behind it.
+_NAMED = {
+    "objective": ("ObjectiveSpec", "moseg_objectives"),
+    "constraint": ("ConstraintSpec", "moseg_constraints"),
+    "embedding": ("EmbeddingSpec", "moseg_embeddings"),
+    "parameterization": ("ParameterizationSpec", "moseg_parameterizations"),
+    "seeder": ("SeederSpec", "moseg_seeders"),
+    "labeler": ("LabelerSpec", "moseg_labelers"),
+    "optimizer": ("OptimizerSpec", "moseg_optimizers"),
+}
+
+
+@pytest.fixture
+def install_stranger(site: Site) -> Iterator[Callable[[], Registry]]:
+    """Install a distribution that has something of every name that is installed already.
+
+    The function gives the registry of everything, which is the process's own until the test ends.
+    """
+
+    def install() -> Registry:
+        source = "import moseg_core\nfrom moseg_core import hookimpl\n"
+        for kind, (spec, hook) in _NAMED.items():
+            names = [component.spec.name for component in registry().components(kind)]
+            source += (
+                f"@hookimpl\ndef {hook}():\n    return [moseg_core.{spec}(name=name,"
+                f" target='nowhere_at_all:' + name) for name in {names}]\n"
+            )
+        site.add("Strange-Parts", bundles={"strange": "strange_bundle"}, strange_bundle=source)
+        registry.cache_clear()
+        return registry()
+
+    yield install
+    registry.cache_clear()

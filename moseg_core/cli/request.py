@@ -18,8 +18,9 @@ from moseg_core.components.chosen import Choice
 from moseg_core.components.discovery.registry import registry
 from moseg_core.errors import UsageError
 from moseg_core.io.result_json import SavedResult, read_result
+from moseg_core.problem.full_names import meant_by_result, statement_in_full
 from moseg_core.problem.hierarchy import Hierarchy
-from moseg_core.problem.recipe import load_recipe, said_in_full
+from moseg_core.problem.recipe import load_recipe
 from moseg_core.problem.settings import SearchOptions
 from moseg_core.problem.statement import Statement
 from moseg_core.search.workers import available_workers
@@ -67,9 +68,7 @@ def read_statement(flags: ProblemFlags, *, start: SavedResult | None = None) -> 
     if flags.recipe is not None:
         base = load_recipe(flags.recipe).statement
     elif start is not None:
-        meant = {_name(term.text): term.objective for term in start.evaluation.terms}
-        full = said_in_full(start.statement.minimize, meant.get, registry())
-        base = replace(start.statement, minimize=full)
+        base = statement_in_full(start.statement, meant_by_result(start.versions, registry()))
     changes: dict[str, Any] = {}
     if flags.labels is not None:
         changes["labels"] = tuple(name.strip() for name in flags.labels.split(","))
@@ -112,12 +111,7 @@ def read_search(flags: SearchFlags, steering: SteeringFlags) -> SearchOptions:
         return options
     if isinstance(options.seeder, Choice) and options.seeder.name not in ("given", "core:given"):
         raise UsageError(f"--centers goes with the seeder 'given', not '{options.seeder.name}'")
-    return replace(options, seeder=Choice("given", {"centers": steering.centers}))
-
-
-def _name(text: str) -> str:
-    """The objective in the text of a term, such as ``narrow(leg*) @ mds``."""
-    return text.partition("(")[0].partition("@")[0].strip()
+    return replace(options, seeder=Choice("core:given", {"centers": steering.centers}))
 
 
 def read_start(path: Path | None) -> SavedResult | None:

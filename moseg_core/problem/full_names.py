@@ -12,12 +12,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection
 from dataclasses import replace
+from typing import Any
 
 from moseg_core.components.chosen import Choice
 from moseg_core.components.discovery.registry import Registry
 from moseg_core.components.discovery.specs import Kind
 from moseg_core.errors import ExpressionError, UsageError
 from moseg_core.language import Term, parse, parse_call
+from moseg_core.problem.settings import SEARCH_KINDS
+from moseg_core.problem.statement import Statement
 
 Meaning = Callable[[Kind, str], str]
 """From a name as it was written to one that is not ambiguous, where it is known what was meant."""
@@ -44,6 +47,32 @@ def meant_by_result(used: Collection[str], source: Registry) -> Meaning:
         return known[0] if len(ids) > 1 and len(known) == 1 else name
 
     return meaning
+
+
+def statement_in_full(statement: Statement, meaning: Meaning) -> Statement:
+    """A statement with ids for all names that are ambiguous; also those of its parts.
+
+    Raises
+    ------
+    ExpressionError
+        An expression or a constraint is malformed.
+    UsageError
+        A name is ambiguous even to whoever wrote it.
+    """
+    embedding = statement.embedding
+    chosen: dict[str, Any] = {
+        kind: choice_in_full(Choice.read(choice, kind), kind, meaning)
+        for kind in SEARCH_KINDS
+        if (choice := getattr(statement.search, kind)) is not None
+    }
+    return replace(
+        statement,
+        minimize=expression_in_full(statement.minimize, meaning),
+        constraints=tuple(constraint_in_full(text, meaning) for text in statement.constraints),
+        embedding=embedding and choice_in_full(embedding, "embedding", meaning),
+        search=replace(statement.search, **chosen),
+        parts=tuple((label, statement_in_full(part, meaning)) for label, part in statement.parts),
+    )
 
 
 def expression_in_full(text: str, meaning: Meaning) -> str:

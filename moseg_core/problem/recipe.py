@@ -27,21 +27,23 @@ a name (:mod:`moseg_core.problem.hierarchy`). They are given for labels and glob
     [parts."leg*"]
     recipe = "./leg.toml"                   # or the name of an installed one
 
-Bundles bring recipes through the hook ``moseg_recipes``; anybody else gives a path.
+Bundles bring recipes through the hook ``moseg_recipes``; anybody else gives a path. A bundle's
+recipe means components that its authors knew: the bundle's own, and those of the distributions that
+its own one requires.
 """
 
 from __future__ import annotations
 
 import json
 import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from moseg_core.components.discovery.registry import Registry, registry
 from moseg_core.errors import REPORT, PluginError, UsageError, unknown
-from moseg_core.language import parse
+from moseg_core.problem.full_names import meant_by_bundle, statement_in_full
 from moseg_core.problem.hierarchy import Hierarchy, expand_parts
 from moseg_core.problem.problem import Problem, check_label_names
 from moseg_core.problem.statement import KEYS, SEPARATOR, Statement, joined
@@ -187,11 +189,14 @@ class _Library:
     folder : Path
         What paths are relative to: the folder of the file that gives them.
     reading : tuple of str
+    bundle : str or None
+        Whose recipe it is that names others.
     """
 
     source: Registry
     folder: Path = Path()
     reading: tuple[str, ...] = ()
+    bundle: str | None = None
 
     def load(self, name: str) -> Recipe:
         """A recipe by name or path."""
@@ -202,22 +207,23 @@ class _Library:
             except (OSError, UnicodeDecodeError) as error:
                 raise UsageError(f"recipe '{name}' cannot be read: {error}") from error
             return _parse(text, path.stem, self._within(str(path.resolve()), path.parent))
-        component = self.source.find("recipe", name)
+        component = self.source.find("recipe", name, scope=self.bundle)
         text = component.load()
         if not isinstance(text, str):
             raise PluginError(
                 f"recipe '{component.id}' of {component.distribution} is a {type(text).__name__},"
                 f" not a text; {REPORT}"
             )
-        recipe = _parse(text, component.spec.name, self._within(component.id, Path()))
-        stated = _in_full(recipe.statement, component.bundle, self.source)
-        return replace(recipe, statement=stated)
+        within = self._within(component.id, Path(), component.bundle)
+        recipe = _parse(text, component.spec.name, within)
+        meaning = meant_by_bundle(component.bundle, self.source)
+        return replace(recipe, statement=statement_in_full(recipe.statement, meaning))
 
-    def _within(self, key: str, folder: Path) -> _Library:
+    def _within(self, key: str, folder: Path, bundle: str | None = None) -> _Library:
         """The library for the parts of a recipe, which may not name a recipe that it is part of."""
         if key in self.reading:
             raise UsageError(f"recipe '{key}' is among its own parts; parts end somewhere")
-        return _Library(self.source, folder, (*self.reading, key))
+        return _Library(self.source, folder, (*self.reading, key), bundle)
 
 
 def _parse(text: str, name: str, library: _Library) -> Recipe:
@@ -260,39 +266,6 @@ def _read_part(table: object, name: str, library: _Library) -> Recipe:
     if others:
         raise UsageError(f"recipe '{name}': 'recipe' stands alone, without '{others[0]}'")
     return library.load(_required(table, "recipe", name))
-
-
-def _in_full(statement: Statement, bundle: str, source: Registry) -> Statement:
-    """A bundle's recipe, in which names mean the bundle's own objectives (:func:`said_in_full`)."""
-    return replace(
-        statement,
-        minimize=said_in_full(statement.minimize, lambda word: f"{bundle}:{word}", source),
-        parts=tuple((label, _in_full(part, bundle, source)) for label, part in statement.parts),
-    )
-
-
-def said_in_full(text: str, full: Callable[[str], str | None], source: Registry) -> str:
-    """An expression in which names that have become ambiguous stand for what was meant.
-
-    A recipe's own objectives are meant by its names, whatever is installed beside its bundle.
-
-    Parameters
-    ----------
-    text : str
-    full : callable
-        For the name of an objective the id that is meant, or None where that is not known.
-    source : Registry
-    """
-    expression = parse(text)
-    offered = [component.spec.name for component in source.components("objective")]
-    ids = [component.id for component in source.components("objective")]
-    terms = tuple(
-        replace(term, name=full(term.name) or term.name)
-        if offered.count(term.name) > 1 and full(term.name) in ids
-        else term
-        for term in expression.terms
-    )
-    return text if terms == expression.terms else str(replace(expression, terms=terms))
 
 
 def _required(table: Mapping[str, Any], key: str, name: str) -> str:

@@ -270,5 +270,8 @@ def _check_seed(seed: object) -> None:
 
 
 _DEFAULT_COMPONENTS = SearchOptions(
-    parameterization="voronoi", seeder="kmeans", labeler="hungarian", optimizer="pattern_search"
+    parameterization="core:voronoi",
+    seeder="core:kmeans",
+    labeler="core:hungarian",
+    optimizer="core:pattern_search",
 )

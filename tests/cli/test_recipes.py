@@ -86,3 +86,40 @@ def test_a_broken_recipe_does_not_hide_the_others(moseg):
     ambiguous = moseg("recipes", "same")
     assert ambiguous.code == 2
     assert "one:same, two:same" in ambiguous.err
+
+
+QUICK = ("--optimizer", "core:pattern_search(max_evaluations=4)", "--resolution", "full")
+
+
+def test_a_result_goes_on_with_the_same_components_whatever_is_installed(
+    moseg, install_stranger, mallet, tmp_path
+):
+    before, after, again = (tmp_path / f"{k}.json" for k in ("before", "after", "again"))
+    done = moseg("segment", mallet, "--recipe", "dove", *QUICK, "-o", before)
+    assert done.code == 0, done.err
+    install_stranger()
+    done = moseg("segment", mallet, "--recipe", "dove", *QUICK, "-o", after)
+    assert done.code == 0, done.err
+    alone, crowded = (json.loads(path.read_text()) for path in (before, after))
+    assert "basic:narrow(" in crowded["problem"]["minimize"]
+    assert "symmetry:mirror(wing2, wing1)" in crowded["problem"]["constraints"]
+    for key in ("labels", "cost", "versions", "dimension"):
+        assert crowded[key] == alone[key]
+    # Written before the stranger came, and after.
+    for path in (before, after):
+        done = moseg("segment", mallet, "--start", path, *QUICK, "-o", again)
+        assert done.code == 0, done.err
+        assert json.loads(again.read_text())["problem"] == crowded["problem"]
+        assert moseg("explain", path).code == 0
+
+
+def test_a_result_in_an_embedding_goes_on_in_the_same(moseg, install_stranger, mallet, tmp_path):
+    before, again = tmp_path / "before.json", tmp_path / "again.json"
+    given = ("--recipe", "hammer", "--embedding", "mds(landmarks=20, refine=5)")
+    done = moseg("segment", mallet, *given, *QUICK, "-o", before)
+    assert done.code == 0, done.err
+    install_stranger()
+    done = moseg("segment", mallet, "--start", before, *QUICK, "-o", again)
+    assert done.code == 0, done.err
+    problem = json.loads(again.read_text())["problem"]
+    assert problem["embedding"] == "mds:mds(landmarks=20, refine=5)"

@@ -12,6 +12,7 @@ from moseg_core.problem.problem import Problem
 from moseg_core.problem.recipe import Recipe, load_recipe, parse_recipe
 from moseg_core.problem.settings import SearchOptions
 from moseg_core.problem.statement import Statement
+from moseg_core.search.segment import prepare_components
 
 LEAST = 'labels = ["a"]\nminimize = "narrow(a)"\n'
 
@@ -188,6 +189,56 @@ def test_a_mistake_in_the_expression_shows_with_the_problem():
     recipe = parse_recipe('labels = ["a"]\nminimize = "narow(a)"', "mine")
     with pytest.raises(ExpressionError, match="did you mean 'narrow'"):
         Problem(recipe.labels, recipe.minimize)
+
+
+def components_of(recipe: Recipe) -> list[str]:
+    """Ids of all components that a recipe comes to, level by level."""
+    found = []
+    for _, level in recipe.hierarchy().levels():
+        problem = level.problem
+        found += [term.id for term in problem.terms] + [rule.id for rule in problem.rules]
+        found += [problem.bending.component.id] if problem.bending else []
+        ready = prepare_components(problem, SearchOptions().settled(level.search))
+        found += [prepared.component.id for prepared in ready.values()]
+    return found
+
+
+@pytest.mark.parametrize("component", registry().components("recipe"), ids=lambda c: c.id)
+def test_a_recipe_means_the_same_whatever_else_is_installed(component, install_stranger):
+    alone = components_of(load_recipe(component.id))
+    crowded = install_stranger()
+    with pytest.raises(UsageError, match="'narrow' is ambiguous; say which: basic:narrow, strange"):
+        crowded.find("objective", "narrow")
+    assert components_of(load_recipe(component.id)) == alone
+
+
+def test_a_recipe_names_the_recipes_of_its_own_bundle(site):
+    for name in ("one", "two"):
+        site.add(
+            f"moseg-{name}",
+            bundles={name: f"{name}_bundle"},
+            **{
+                f"{name}_bundle": """
+                    from moseg_core import RecipeSpec, hookimpl
+
+                    WHOLE = 'labels = ["a"]\\nminimize = "f(a)"\\n[parts.a]\\nrecipe = "piece"'
+                    PIECE = 'labels = ["NAME1", "NAME2"]\\nminimize = "f(NAME1)"'
+
+                    @hookimpl
+                    def moseg_recipes():
+                        return [
+                            RecipeSpec(name="NAME_whole", target=__name__ + ":WHOLE"),
+                            RecipeSpec(name="piece", target=__name__ + ":PIECE"),
+                        ]
+                """.replace("NAME", name)
+            },
+        )
+    found = site.discover()
+    for name in ("one", "two"):
+        ((_, part),) = load_recipe(f"{name}_whole", source=found).statement.parts
+        assert part.labels == (f"{name}1", f"{name}2")
+    with pytest.raises(UsageError, match="ambiguous"):
+        load_recipe("piece", source=found)
 
 
 def test_a_recipe_means_its_own_objectives_beside_others_of_the_same_name():

@@ -63,7 +63,7 @@ def test_the_request_goes_before_the_recipe_and_the_recipe_before_the_settings()
     found = request.settled(recipe)
     assert str(found.labeler) == "greedy"
     assert str(found.seeder) == "evolution(population=9)"
-    assert str(found.optimizer) == "pattern_search"
+    assert str(found.optimizer) == "core:pattern_search"
     assert (found.restarts, found.resolution, found.finalists) == (3, 50, 2)
 
 
@@ -96,6 +96,6 @@ def test_one_start_where_evaluations_are_limited_and_nobody_says_more(request_, 
 def test_centres_by_hand_are_a_seeder():
     steering = SteeringFlags(centers="a=0,0,0")
     found = read_search(SearchFlags(workers=1), steering)
-    assert found.seeder == Choice("given", {"centers": "a=0,0,0"})
+    assert found.seeder == Choice("core:given", {"centers": "a=0,0,0"})
     with pytest.raises(UsageError, match="--centers goes with the seeder 'given', not 'kmeans'"):
         read_search(SearchFlags(seeder="kmeans"), steering)

@@ -211,7 +211,9 @@ class Registry:
         if own:
             return own
         homes = {bundle.name: bundle.distribution for bundle in self.bundles}
-        required = required_distributions(homes.get(scope, "")) | {"moseg-core"}
+        if scope not in homes:
+            return []
+        required = required_distributions(homes[scope]) | {"moseg-core"}
         return [c for c in components if normal_name(homes[c.bundle]) in required]
 
     def in_full(self, kind: Kind, name: str, scope: str) -> str:

@@ -63,6 +63,79 @@ def test_names_are_the_shortest_that_are_unique():
         assert len({TWO.find(kind, name).id for name in TWO.names(kind)}) == len(TWO.names(kind))
 
 
+def crowd(site, **requires: list[str]) -> Registry:
+    """Distributions that each have an objective ``slim`` in a bundle of the distribution's name."""
+    for name, needed in requires.items():
+        site.add(
+            f"Moseg_{name}",
+            bundles={name: f"{name}_bundle"},
+            requires=needed,
+            **{
+                f"{name}_bundle": """
+                    from moseg_core import ObjectiveSpec, hookimpl
+
+                    @hookimpl
+                    def moseg_objectives():
+                        return [ObjectiveSpec(name="slim", target="home:thing")]
+                """
+            },
+        )
+    return site.discover()
+
+
+def test_a_bundle_means_its_own_component_by_a_name_that_several_have(site):
+    found = crowd(site, one=[], two=["moseg-one"])
+    for scope in ("one", "two"):
+        assert found.find("objective", "slim", scope=scope).id == f"{scope}:slim"
+        assert found.in_full("objective", "slim", scope) == f"{scope}:slim"
+    assert found.find("objective", "one:slim", scope="two").id == "one:slim"
+
+
+@pytest.mark.parametrize("requirement", ["moseg-two", "MOSEG.two>=1.0,<2", "moseg-between"])
+def test_a_bundle_means_a_component_that_its_distribution_requires(site, requirement):
+    site.add("moseg-between", bundles={}, requires=["moseg_two==1.0"])
+    site.add(
+        "mine",
+        bundles={"mine": "mine_bundle"},
+        requires=["no-such-distribution", requirement],
+        mine_bundle="""
+            from moseg_core import RecipeSpec, hookimpl
+
+            @hookimpl
+            def moseg_recipes():
+                return [RecipeSpec(name="chair", target="home:thing")]
+        """,
+    )
+    found = crowd(site, one=["mine"], two=[])
+    assert found.find("objective", "slim", scope="mine").id == "two:slim"
+    for scope in (None, "nobody"):
+        with pytest.raises(UsageError, match="ambiguous; say which: one:slim, two:slim"):
+            found.find("objective", "slim", scope=scope)
+
+
+def test_what_a_bundle_requires_may_be_ambiguous_too(site):
+    found = crowd(site, one=[], two=[], three=[])
+    site.add("mine", bundles={}, requires=["moseg-one", "moseg-two", "moseg-three; extra == 'x'"])
+    mine = Registry([*found.bundles, Bundle("mine", "mine", "1.0", "mine")])
+    with pytest.raises(UsageError, match=r"say which: one:slim, two:slim$"):
+        mine.find("objective", "slim", scope="mine")
+
+
+def test_a_name_that_one_has_is_found_whoever_asks(site):
+    found = crowd(site, one=[])
+    lonely = Registry([*found.bundles, Bundle("mine", "mine", "1.0", "mine")])
+    assert lonely.find("objective", "slim", scope="mine").id == "one:slim"
+    assert lonely.in_full("objective", "slim", "mine") == "slim"
+    assert lonely.in_full("objective", "unknown", "mine") == "unknown"
+
+
+def test_every_bundle_was_written_with_the_core(install_stranger):
+    found = install_stranger()
+    lonely = Registry([*found.bundles, Bundle("mine", "mine", "1.0", "mine")])
+    assert lonely.find("seeder", "kmeans", scope="mine").id == "core:kmeans"
+    assert lonely.in_full("seeder", "kmeans", "mine") == "core:kmeans"
+
+
 ASIDE = " (set aside, see 'moseg plugin list': broken)"
 
 
