@@ -1,12 +1,16 @@
 """Printing: tables on stdout, messages and progress on stderr.
 
-Colour and progress bars appear on a terminal only; rich honours ``NO_COLOR``.
+Colour and progress bars appear on a terminal only; rich honours ``NO_COLOR``. The bars are drawn by
+whoever reports, not by a thread: a search forks worker processes, and a fork copies locks that
+other threads hold, but not the threads that would let go of them.
 """
 
 from __future__ import annotations
 
 import json
+import math
 import sys
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any, TextIO
@@ -20,6 +24,8 @@ from moseg_core.components.protocols import Progress, Report
 from moseg_core.problem.aggregate import Evaluation
 
 _WIDTH_OFF_TERMINAL = 120
+#: Seconds between two drawings of the progress bars.
+_REDRAWN_EVERY = 0.1
 
 
 def console(stream: TextIO) -> Console:
@@ -85,10 +91,13 @@ def progress_reporter(*, quiet: bool) -> Iterator[Report]:
         TimeRemainingColumn(),
         console=console(sys.stderr),
         transient=True,
+        auto_refresh=False,
     )
     tasks: dict[str, Any] = {}
+    drawn = -math.inf
 
     def report(progress: Progress) -> bool:
+        nonlocal drawn
         if progress.stage not in tasks:
             for earlier in tasks.values():  # a new stage: those before it are done
                 bars.update(earlier, total=1.0, completed=1.0)
@@ -106,6 +115,9 @@ def progress_reporter(*, quiet: bool) -> Iterator[Report]:
             completed=fraction or 0.0,
             cost=cost,
         )
+        if time.monotonic() - drawn >= _REDRAWN_EVERY:
+            bars.refresh()
+            drawn = time.monotonic()
         return False
 
     with bars:

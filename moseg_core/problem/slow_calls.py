@@ -9,8 +9,9 @@ them and says nothing meanwhile, so a user who waits cannot know for which. Whoe
 
 :mod:`moseg_core.problem.aggregate` puts every call of an objective :func:`under_watch`. A thread
 looks now and then at what is going on, so the calls pay next to nothing. Processes that are copied
-while a watch is on (:mod:`moseg_core.search.workers`) start a thread of their own. A call that
-keeps Python's interpreter lock to itself, as some libraries do, is named when it lets go.
+while a watch is on (:mod:`moseg_core.search.workers`) start a thread of their own; meanwhile the
+watch is made to :func:`rest`, so that no thread runs where processes are copied. A call that keeps
+Python's interpreter lock to itself, as some libraries do, is named when it lets go.
 """
 
 from __future__ import annotations
@@ -61,6 +62,7 @@ class Watch(AbstractContextManager[None]):
         self._call: _Call | None = None
         self._process = 0
         self._ended = threading.Event()
+        self._thread: threading.Thread | None = None
 
     def call(self, name: str) -> Watch:
         """The watch for the next call, by the name under which it is spoken of."""
@@ -71,7 +73,8 @@ class Watch(AbstractContextManager[None]):
         if self._process != os.getpid():  # the first call here, or here since a fork
             self._process = os.getpid()
             self._ended = threading.Event()
-            threading.Thread(target=self._watch, name="moseg-watch", daemon=True).start()
+            self._thread = threading.Thread(target=self._watch, name="moseg-watch", daemon=True)
+            self._thread.start()
 
     def __exit__(
         self,
@@ -95,6 +98,13 @@ class Watch(AbstractContextManager[None]):
         """Stop looking."""
         self._ended.set()
 
+    def rest(self) -> None:
+        """Stop looking until the next call, and wait until the thread has ended."""
+        self._ended.set()
+        if self._thread is not None and self._process == os.getpid():
+            self._thread.join()
+        self._thread, self._process = None, 0
+
     def _watch(self) -> None:
         ended = self._ended
         while not ended.wait(max(self.after / 10, 0.01)):
@@ -108,6 +118,13 @@ def under_watch(name: str) -> AbstractContextManager[None]:
     """A context for a call that may be slow; does nothing where nobody wants to know."""
     watch = _watching.get()
     return _NOTHING if watch is None else watch.call(name)
+
+
+def rest() -> None:
+    """End the thread of the watch that is on, if one is; the next call starts another."""
+    watch = _watching.get()
+    if watch is not None:
+        watch.rest()
 
 
 @contextmanager

@@ -3,8 +3,10 @@
 The starts of a run do not depend on each other, and the libraries that the objectives spend their
 time in do not run on two threads at once; so they go to processes. These are copies of the
 running one (``fork``), made when there is first something to do: shape, problem and components
-need no pickling to get there, only results do to come back. Where the system cannot fork, or one
-process is asked for, everything is done in this one, one thing after the other.
+need no pickling to get there, only results do to come back. No thread of moseg runs meanwhile: a
+copy has the locks that other threads hold, and not the threads that would let go of them. Where the
+system cannot fork, or one process is asked for, everything is done in this one, one thing after the
+other.
 
 What is computed does not depend on the number of processes. Reports go to the caller's function as
 ever, those of the first task that is still running; asked to stop, all are.
@@ -26,6 +28,7 @@ from typing import Any, Self
 
 from moseg_core.components.protocols import Progress, Report
 from moseg_core.errors import MosegError, PluginError
+from moseg_core.problem.slow_calls import rest
 
 Task = Callable[..., Any]
 """Called with its arguments and ``report``."""
@@ -175,12 +178,14 @@ class Workers:
         """Make the processes, where that has not been done."""
         if self._workers:
             return
+        rest()
         context = multiprocessing.get_context("fork")
         self._flag = context.RawValue("b", 0)
         for _ in range(self._count):
             mine, theirs = context.Pipe()
-            # Python from 3.12 on warns of locks that other threads might hold. No thread of ours
-            # is running now, and the libraries that keep threads (BLAS) look after themselves.
+            # Python from 3.12 on warns of locks that other threads might hold. None of ours runs
+            # now: the watch rests, and the command line draws its progress bars without a thread
+            # (moseg_core.cli.console). Libraries that keep threads (BLAS) look after themselves.
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", DeprecationWarning)
                 ours = [*(worker.pipe for worker in self._workers), mine]

@@ -6,7 +6,7 @@ import threading
 
 import pytest
 
-from moseg_core.problem.slow_calls import Watch, naming_slow_calls, under_watch
+from moseg_core.problem.slow_calls import Watch, naming_slow_calls, rest, under_watch
 
 
 class Clock:
@@ -107,3 +107,19 @@ def test_without_anybody_who_wants_to_know_nothing_is_watched():
 def test_errors_pass(watch):
     with pytest.raises(ZeroDivisionError), naming_slow_calls(print), under_watch("a"):
         _ = 1 / 0
+
+
+def test_a_watch_that_rests_has_no_thread_until_the_next_call():
+    before = watching()
+    with naming_slow_calls(lambda what, seconds: None, after=0.0):
+        with under_watch("slow(a)"):
+            (thread,) = watching() - before
+        rest()
+        assert not thread.is_alive()
+        rest()  # there is nothing more to end
+        with under_watch("slow(b)"):
+            assert watching() - before
+
+
+def test_without_a_watch_there_is_nothing_to_rest():
+    rest()
