@@ -54,7 +54,8 @@ def made(arity, range_, cost, *, levels=5, calls=None):
 
 
 def evaluator_of(problem, labellings, **options):
-    listed = Listed(np.array(labellings), len(problem.labels))
+    bounds = np.zeros(1), np.full(1, INF), np.ones(1)
+    listed = Listed(np.array(labellings), len(problem.labels), *bounds)
     return ProblemEvaluator(STRIP, problem, listed, **options)
 
 

@@ -204,6 +204,8 @@ def call_value(
                 value = float(term.objective(subject, **term.parameters))
         except UsageError as error:  # it says what is wrong with its parameters
             raise UsageError(f"in {where}: {error}") from error
+        except PluginError as error:  # it names another component, such as a measure
+            raise PluginError(f"in {where}: {error}") from error
         except Exception as error:  # a stranger's objective may raise anything
             raise PluginError(f"{who} failed in {where}: {describe(error)}; {REPORT}") from error
         return _in_range(value, term, where)

@@ -29,6 +29,7 @@ from moseg_core.problem.aggregate import (
 from moseg_core.problem.binding import BoundTerm
 from moseg_core.problem.problem import Problem
 from moseg_core.search.assignment import UnaryCosts
+from moseg_core.search.checked_partition import checked
 from moseg_core.shape.pins import NO_PINS, Pins
 from moseg_core.shape.shape import Shape
 from moseg_core.types import FloatArray, Int32Array, IntArray
@@ -76,8 +77,8 @@ class ProblemEvaluator:
         problem.check(shape)
         self.shape = shape
         self.problem = problem
-        self.parameterization = parameterization
-        self.constraints = problem.constrain(parameterization, shape)
+        self.parameterization = checked(parameterization, shape)
+        self.constraints = problem.constrain(self.parameterization, shape)
         self.pins = pins
         self.memo = Memo() if memo is None else memo
         self.evaluations = 0

@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from moseg_core.components.chosen import Choice, Ready, prepare
 from moseg_core.components.discovery.specs import Kind
-from moseg_core.components.protocols import Centers, Parameterization, Progress, Report
+from moseg_core.components.protocols import Centers, Progress, Report
 from moseg_core.errors import MosegError, UsageError, unknown
 from moseg_core.problem.hierarchy import Hierarchy
 from moseg_core.problem.problem import ORIGINAL, Problem
@@ -26,6 +26,7 @@ from moseg_core.problem.settings import (
     SearchOptions,
     SettledOptions,
 )
+from moseg_core.search.checked_partition import make_partition
 from moseg_core.search.evaluator import ProblemEvaluator
 from moseg_core.search.restarts import (
     Listener,
@@ -186,14 +187,14 @@ def solve(
     deadline = None if seconds is None else time.monotonic() + seconds
     embedded = problem.embed(shape)
     whole = ProblemEvaluator(
-        embedded, problem, ready["parameterization"].make(embedded, n), pins=pinned
+        embedded, problem, make_partition(ready["parameterization"], embedded, n), pins=pinned
     )
     listener = Listener(report or _silent)
 
     coarse = searched_shape(embedded, settled.resolution, pinned)
     rough = whole
     if coarse is not embedded:
-        partition: Parameterization = ready["parameterization"].make(coarse, n)
+        partition = make_partition(ready["parameterization"], coarse, n)
         rough = ProblemEvaluator(
             coarse, problem, partition, pins=coarse_pins(pinned, coarse), input=whole
         )

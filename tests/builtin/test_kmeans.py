@@ -127,6 +127,9 @@ class Script:
 
     def __init__(self, shape, n, rounds):
         self.voronoi, self.n_parts = Voronoi(shape, n), n
+        self.lower, self.upper, self.scale = (
+            getattr(self.voronoi, name) for name in ("lower", "upper", "scale")
+        )
         self.rounds, self.asked = list(rounds), []
 
     def encode(self, centers):

@@ -292,17 +292,29 @@ class MeasureResolver(Protocol):
 
 
 def measure_resolver(source: Registry | None = None) -> MeasureResolver:
-    """A function that finds measures by name, each loaded once."""
+    """A function that finds measures by name, each loaded once and blamed where it fails."""
     found: dict[str, tuple[str, Callable[..., Any], bool]] = {}
 
     def resolve(name: str, /) -> tuple[str, Callable[..., Any], bool]:
         if name not in found:
             component = (registry() if source is None else source).find("measure", name)
-            spec = cast(MeasureSpec, component.spec)
-            found[name] = component.id, component.load(), spec.keep
+            if component.id not in found:
+                spec = cast(MeasureSpec, component.spec)
+                found[component.id] = component.id, _blamed(component, component.load()), spec.keep
+            found[name] = found[component.id]
         return found[name]
 
     return resolve
+
+
+def _blamed(component: Component, function: Callable[..., Any]) -> Callable[..., Any]:
+    """A measure that is named where it fails, whichever objective had asked for it."""
+
+    def measure(part: Any, /, **parameters: Any) -> Any:
+        with component.guard():
+            return function(part, **parameters)
+
+    return measure
 
 
 def discover(
