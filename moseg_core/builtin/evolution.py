@@ -21,8 +21,9 @@ Random numbers are drawn in this order, so that the run can be followed by hand:
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from scipy.spatial.distance import cdist
@@ -48,6 +49,11 @@ class Evolution:
     tournament : int
         How many individuals meet in a tournament.
     """
+
+    #: What measurements recommend where there are several starts (benchmarks/stages.py).
+    presets: ClassVar[Mapping[str, Mapping[str, Any]]] = {
+        "default": {"population": 20, "iterations": 6}
+    }
 
     def __init__(
         self,

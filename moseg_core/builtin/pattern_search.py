@@ -12,8 +12,8 @@ Neighbours outside the bounds, that is weights of 0 or less, are left out and no
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from typing import Annotated
+from collections.abc import Mapping, Sequence
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
@@ -56,6 +56,12 @@ class PatternSearch:
     >>> search.finished, round(float(search.best[0][0]), 5)
     ('converged', 0.3)
     """
+
+    #: On a coarse shape it ends at steps that super-elements can feel, in diagonals.
+    presets: ClassVar[Mapping[str, Mapping[str, Any]]] = {
+        "coarse": {"threshold": 5e-3},
+        "polish": {"pattern_size": 0.01, "threshold": 1e-4, "max_evaluations": 300},
+    }
 
     def __init__(
         self,

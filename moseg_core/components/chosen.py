@@ -8,15 +8,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from moseg_core.components.discovery.registry import Component, Registry
 from moseg_core.components.discovery.specs import Kind
-from moseg_core.components.parameters import check_parameters, declared_parameters
-from moseg_core.errors import REPORT, PluginError, UsageError
+from moseg_core.components.parameters import Parameter, check_parameters, declared_parameters
+from moseg_core.errors import REPORT, PluginError, UsageError, unknown
 from moseg_core.language import parse_call
 from moseg_core.language.terms import format_call
+
+OCCASIONS = ("default", "coarse", "polish")
+"""When a component may be used with other parameters than the defaults of its signature: see
+``presets`` in :mod:`moseg_core.components.protocols`."""
 
 
 @dataclass(frozen=True)
@@ -77,11 +81,25 @@ class Ready:
     factory : callable
         The class behind it.
     parameters : dict of str to value
+    by_user : bool
+        Whether the user has chosen any of them.
+    presets : mapping of str to dict
+        For each occasion that the class names, parameters that take the place of these.
     """
 
     component: Component
     factory: Callable[..., Any]
     parameters: dict[str, Any]
+    by_user: bool = False
+    presets: Mapping[str, dict[str, Any]] = field(default_factory=dict)
+
+    def preset(self, occasion: str) -> Ready:
+        """With the parameters that the class names for an occasion; else as it is."""
+        return replace(self, parameters=self.presets.get(occasion, self.parameters))
+
+    def tuned(self, occasion: str) -> Ready:
+        """The same where the user has chosen no parameters; else as it is."""
+        return self if self.by_user else self.preset(occasion)
 
     def make(self, *arguments: Any, **more: Any) -> Any:
         """Construct the component with what the pipeline gives it and the user's parameters.
@@ -112,7 +130,7 @@ def prepare(choice: Choice, kind: Kind, registry: Registry) -> Ready:
     UsageError
         Unknown component or parameter, with the nearest name; a value out of range.
     PluginError
-        The component's bundle is broken.
+        The component's bundle is broken, or its presets are not parameters of it.
     """
     component = registry.find(kind, choice.name)
     target = component.load()
@@ -129,4 +147,27 @@ def prepare(choice: Choice, kind: Kind, registry: Registry) -> Ready:
             f"{kind} '{component.id}' of {component.distribution} cannot be used: {error}; {REPORT}"
         ) from error
     parameters = check_parameters(declared, choice.parameters, f"{kind} '{choice.name}'")
-    return Ready(component=component, factory=target, parameters=parameters)
+    return Ready(
+        component=component,
+        factory=target,
+        parameters=parameters,
+        by_user=bool(parameters),
+        presets=_presets(component, target, declared),
+    )
+
+
+def _presets(
+    component: Component, target: Any, declared: tuple[Parameter, ...]
+) -> dict[str, dict[str, Any]]:
+    """The presets of a class, checked like what a user gives."""
+    presets = getattr(target, "presets", {})
+    try:
+        for occasion in presets:
+            if occasion not in OCCASIONS:
+                raise UsageError(unknown("occasion", str(occasion), OCCASIONS))
+        return {
+            occasion: check_parameters(declared, dict(given), f"preset '{occasion}'")
+            for occasion, given in presets.items()
+        }
+    except (AttributeError, TypeError, ValueError) as error:  # a UsageError is a ValueError
+        raise PluginError(f"{component.who} has impossible presets: {error}; {REPORT}") from error

@@ -19,6 +19,13 @@ A class may say more of itself, in attributes that no protocol asks for:
     parameters to try it with. It is called with what the component is about to meet: ``(shape,
     n_parts)`` for a parameterization, ``(evaluator,)`` for seeders and labelers, ``(start,)`` for
     optimizers, ``(shape, labels)`` for constraints, ``(shape,)`` for embeddings.
+``presets``
+    Parameters that take the place of the signature's defaults on an occasion, by its name, such as
+    ``{"polish": {"pattern_size": 0.01}}``. ``"default"``: under the settings of that name, where
+    the user gives no parameters (under ``paper`` they are the signature's). ``"coarse"``: the same
+    of an optimizer on a coarse shape. ``"polish"``: of an optimizer that can improve a good start
+    in a short time; it then does so with what it has found on a coarse shape, whatever parameters
+    the user gives for the search. Without these the default optimizer does.
 ``connected``
     Of a parameterization, once made: true where each of its parts is in one piece, on a shape in
     one piece whose adjacency is known.

@@ -3,8 +3,10 @@
 What a recipe says of its search and what a caller asks for are the same thing, a
 :class:`SearchOptions`, some of it left open. :meth:`SearchOptions.settled` puts the two together,
 once, and fills in the rest by the *settings*: ``paper`` is the method as published, ``default``
-what measurements on horses and hammers recommend (``benchmarks/stages.py``). All that comes after
-(:mod:`moseg_core.search`) reads the settled options and decides nothing of this again.
+what measurements on horses and hammers recommend (``benchmarks/stages.py``). Parameters for
+``default`` a component names itself (``presets`` in :mod:`moseg_core.components.protocols`). All
+that comes after (:mod:`moseg_core.search`) reads the settled options and decides nothing of this
+again.
 """
 
 from __future__ import annotations
@@ -34,7 +36,6 @@ ComponentChoice = str | Mapping[str, Any] | Choice | None
 _DEFAULT_RESOLUTION = 2000
 _DEFAULT_RESTARTS = 8
 _DEFAULT_FINALISTS = 2
-_DEFAULT_EVOLUTION = {"population": 20, "iterations": 6}
 
 
 class OptionValues(TypedDict, total=False):
@@ -219,22 +220,7 @@ class SearchOptions:
         for name, default in left_open.items():
             if values[name] is None:
                 values[name] = default
-        values["seeder"] = tuned(values["seeder"], self.settings)
         return SettledOptions(**values)
-
-
-def tuned(choice: Choice, settings: str) -> Choice:
-    """A component under the settings, which decide where it comes without parameters.
-
-    Examples
-    --------
-    >>> str(tuned(Choice("evolution"), "default")), str(tuned(Choice("evolution"), "paper"))
-    ('evolution(population=20, iterations=6)', 'evolution')
-    """
-    name = choice.name.removeprefix("core:")
-    if settings == "default" and name == "evolution" and not choice.parameters:
-        return Choice(choice.name, _DEFAULT_EVOLUTION)
-    return choice
 
 
 def _resolution(given: object) -> int | str:
@@ -269,6 +255,7 @@ def _check_seed(seed: object) -> None:
         raise UsageError(f"the seed must not be negative, and is {seed}")
 
 
+# Full ids, which no other bundle can make ambiguous.
 _DEFAULT_COMPONENTS = SearchOptions(
     parameterization="core:voronoi",
     seeder="core:kmeans",

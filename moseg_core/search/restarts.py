@@ -5,8 +5,8 @@ from several starts; :mod:`moseg_core.search.run` does a single one. Where a sea
 on where it began than on how long it took, so many are tried for a while, the better half goes on
 for longer, and so forth, until a few finalists are left that go on to the end (successive halving:
 Jamieson and Talwalkar 2016, arXiv:1502.07943). What was found is then partitioned element by
-element, ranked by what it costs now, and the first few are polished: a short pattern search with
-small steps. The cost that is reported is always that of the input elements.
+element, ranked by what it costs now, and the first few are polished: a short search with small
+steps (:func:`polisher`). The cost that is reported is always that of the input elements.
 
 Starts, finalists and polishing go to several processes (:mod:`moseg_core.search.workers`), if
 wanted. What is found does not depend on their number.
@@ -21,10 +21,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from moseg_core.components.chosen import Choice, Ready, prepare
+from moseg_core.components.chosen import Ready, prepare
+from moseg_core.components.discovery.registry import Registry
 from moseg_core.components.discovery.specs import Kind
 from moseg_core.components.protocols import Centers, Progress, Report
 from moseg_core.errors import MosegError, UsageError
+from moseg_core.problem.settings import SearchOptions
 from moseg_core.search.beginning import begin
 from moseg_core.search.best_so_far import Crew
 from moseg_core.search.evaluator import ProblemEvaluator
@@ -36,16 +38,11 @@ from moseg_core.shape.shape import Shape
 
 #: A coarse shape is used where it has fewer elements by this factor.
 _WORTH = 1.5
-#: Where a pattern search on a coarse shape ends by default, in diagonals.
-_ROUGH = 5e-3
 #: After how many evaluations for each coordinate starts are first judged, and by what factor
 #: this grows from each time to the next, when half as many are left.
 _TRIAL, _LONGER = 20, 3
-#: How many of the coarse results are polished, and how.
+#: How many of the coarse results are polished.
 _POLISHED = 2
-_POLISH = Choice(
-    "core:pattern_search", {"pattern_size": 0.01, "threshold": 1e-4, "max_evaluations": 300}
-)
 
 
 class Listener:
@@ -69,13 +66,19 @@ def searched_shape(shape: Shape, resolution: int | str, pins: Pins) -> Shape:
     return coarse if shape.n_elements > _WORTH * coarse.n_elements else shape
 
 
-def rougher(ready: dict[Kind, Ready], settings: str) -> dict[Kind, Ready]:
-    """The components with the default search ending at steps that super-elements can feel."""
-    optimizer = ready["optimizer"]
-    plain = optimizer.component.id == "core:pattern_search" and not optimizer.parameters
-    if settings != "default" or not plain:
-        return ready
-    return {**ready, "optimizer": replace(optimizer, parameters={"threshold": _ROUGH})}
+def polisher(optimizer: Ready, registry: Registry) -> Ready:
+    """What polishes: the optimizer itself where it names parameters for that, else the default one.
+
+    Parameters
+    ----------
+    optimizer : Ready
+        The one of the search.
+    registry : Registry
+        Where to find the default one.
+    """
+    if "polish" not in optimizer.presets:
+        optimizer = prepare(SearchOptions().settled().optimizer, "optimizer", registry)
+    return optimizer.preset("polish")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -163,7 +166,7 @@ class Plan:
 
     def polish(self, outcome: Outcome, *, report: Report) -> Outcome:
         """Improve on input elements what was found on super-elements."""
-        ready = prepare(_POLISH, "optimizer", self.whole.problem.registry)
+        ready = polisher(self.ready["optimizer"], self.whole.problem.registry)
         rng = np.random.default_rng(0)
         run = set_up(self.whole, ready, outcome.vector, rng=rng, frozen=self.frozen, stage="polish")
         better = go_on(run, self.whole, ready, report=report, deadline=self.deadline)

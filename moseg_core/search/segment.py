@@ -33,7 +33,6 @@ from moseg_core.search.restarts import (
     Plan,
     carry_out,
     disagreement,
-    rougher,
     searched_shape,
     shared_budget,
 )
@@ -198,7 +197,8 @@ def solve(
         rough = ProblemEvaluator(
             coarse, problem, partition, pins=coarse_pins(pinned, coarse), input=whole
         )
-        ready = rougher(ready, settled.settings)
+        if settled.settings == "default":
+            ready["optimizer"] = ready["optimizer"].tuned("coarse")
     plan = Plan(
         rough=rough,
         whole=whole,
@@ -356,7 +356,7 @@ def check_frozen(problem: Problem, freeze: Sequence[str]) -> list[int]:
 
 
 def prepare_components(problem: Problem, options: SettledOptions) -> dict[Kind, Ready]:
-    """Find, load and check the components of a run.
+    """Find, load and check the components of a run, tuned to the settings.
 
     Parameters
     ----------
@@ -369,7 +369,12 @@ def prepare_components(problem: Problem, options: SettledOptions) -> dict[Kind, 
     UsageError, PluginError
         See :func:`moseg_core.components.chosen.prepare`.
     """
-    return {kind: prepare(getattr(options, kind), kind, problem.registry) for kind in SEARCH_KINDS}
+    found = {
+        kind: prepare(getattr(options, kind), kind, problem.registry) for kind in SEARCH_KINDS
+    }
+    if options.settings != "default":
+        return found
+    return {kind: component.tuned("default") for kind, component in found.items()}
 
 
 def _versions(problem: Problem, ready: Mapping[Kind, Ready]) -> dict[str, str]:
