@@ -46,6 +46,7 @@ def moseg_seeders() -> list[SeederSpec]:
             name="given",
             target="moseg_core.builtin.given:Given",
             summary="centres placed by hand: label=x,y,z,label=x,y,z",
+            takes_centers=True,
         ),
     ]
 

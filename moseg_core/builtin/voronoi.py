@@ -47,6 +47,8 @@ class Voronoi:
     [[1, 0]]
     """
 
+    weighted_bisectors = True
+
     def __init__(self, shape: Shape, n_parts: int, *, connected: bool = True) -> None:
         self._shape = shape
         self._n_parts = n_parts

@@ -144,7 +144,8 @@ class SteeringFlags:
     Parameters
     ----------
     centers
-        Place the centres by hand: label=x,y,z,label=x,y,z; the same as the seeder "given".
+        Place the centres by hand: label=x,y,z,label=x,y,z; for the seeder "given", or another
+        that takes centres.
     start
         Go on from an earlier result (.json), also under another --minimize.
     pin

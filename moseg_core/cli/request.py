@@ -9,13 +9,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import fields, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
 from moseg_core.cli.flags import ProblemFlags, SearchedProblemFlags, SearchFlags, SteeringFlags
 from moseg_core.components.chosen import Choice
 from moseg_core.components.discovery.registry import registry
+from moseg_core.components.discovery.specs import SeederSpec
 from moseg_core.errors import UsageError
 from moseg_core.io.result_json import SavedResult, read_result
 from moseg_core.problem.full_names import meant_by_result, statement_in_full
@@ -109,9 +110,26 @@ def read_search(flags: SearchFlags, steering: SteeringFlags) -> SearchOptions:
     options = SearchOptions(**values)
     if steering.centers is None:
         return options
-    if isinstance(options.seeder, Choice) and options.seeder.name not in ("given", "core:given"):
-        raise UsageError(f"--centers goes with the seeder 'given', not '{options.seeder.name}'")
-    return replace(options, seeder=Choice("core:given", {"centers": steering.centers}))
+    seeder = _placing(options.seeder if isinstance(options.seeder, Choice) else None)
+    centers = {"centers": steering.centers}
+    return replace(options, seeder=Choice(seeder.name, {**seeder.parameters, **centers}))
+
+
+def _placing(seeder: Choice | None) -> Choice:
+    """A seeder that takes centres given by hand: the one asked for, or the first that there is."""
+    able = [
+        component
+        for component in registry().components("seeder")
+        if cast(SeederSpec, component.spec).takes_centers
+    ]
+    if seeder is None:
+        return Choice(able[0].id)
+    if registry().find("seeder", seeder.name) not in able:
+        ids = " or ".join(f"'{component.id}'" for component in able)
+        raise UsageError(
+            f"--centers goes with a seeder that takes centres, {ids}, not '{seeder.name}'"
+        )
+    return seeder
 
 
 def read_start(path: Path | None) -> SavedResult | None:

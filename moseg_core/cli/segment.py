@@ -56,7 +56,7 @@ def run_segment(
     check_hierarchy(task, options)
     if clipped:
         ready = prepare_components(problem, options.settled(task.search))
-        check_parameterization(ready["parameterization"].component.id)
+        check_parameterization(ready["parameterization"])
         if task.children:
             raise UsageError("boundaries can be clipped for results of one level only, so far")
     start_centers = None

@@ -2,6 +2,7 @@
 
 :mod:`~moseg_core.clipping.clip` cuts a labelled mesh; :mod:`~moseg_core.clipping.net` says which
 edges are cut and where, :mod:`~moseg_core.clipping.pieces` divides the faces between their
-corners, :mod:`~moseg_core.clipping.bisector` is the geometry. Nothing here knows of a result: that
-is :mod:`moseg_core.search.clipped_result`.
+corners. What they ask of the partition is in :mod:`~moseg_core.clipping.boundaries`;
+:mod:`~moseg_core.clipping.bisector` is the geometry of weighted centres. Nothing here knows of a
+result: that is :mod:`moseg_core.search.clipped_result`.
 """

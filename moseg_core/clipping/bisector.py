@@ -46,13 +46,13 @@ class Bisectors:
         scales: FloatArray = (self.weights.max() / self.weights) ** 2
         return scales
 
-    def squared(self, points: FloatArray) -> FloatArray:
-        """(P, n) float: q_i at (P, 3) points, up to a factor that all share.
+    def distances(self, points: FloatArray) -> FloatArray:
+        """(P, n) float: q_i at (P, 3) points, squared distances up to a factor that all share.
 
         Examples
         --------
         >>> pair = Bisectors(np.array([[0.0, 0, 0], [3, 0, 0]]), np.array([1.0, 2]))
-        >>> pair.squared(np.array([[1.0, 0, 0]])).tolist()  # 1 / 1 and 2 / 2: on the bisector
+        >>> pair.distances(np.array([[1.0, 0, 0]])).tolist()  # 1 / 1 and 2 / 2: on the bisector
         [[4.0, 4.0]]
         """
         squared = np.empty((len(points), len(self.centers)))

@@ -2,7 +2,8 @@
 
 A labelling gives whole faces to parts, so that boundaries follow mesh edges in a zigzag. The
 partition of space behind it knows better: its boundaries are the weighted bisectors of the
-centres (:mod:`moseg_core.clipping.bisector`). :func:`clip_boundaries` cuts the faces there:
+centres (:mod:`moseg_core.clipping.bisector`), or wherever two parts are equally far
+(:mod:`moseg_core.clipping.boundaries`). :func:`clip_boundaries` cuts the faces there:
 
 1. Every vertex, by position, takes the label of a part near to it, and an edge between different
    parts is cut at their bisector, once for all faces that share it, so that nothing cracks
@@ -25,6 +26,7 @@ import numpy as np
 import numpy.typing as npt
 
 from moseg_core.clipping.bisector import Bisectors
+from moseg_core.clipping.boundaries import Boundaries
 from moseg_core.clipping.net import Net
 from moseg_core.clipping.pieces import divide
 from moseg_core.errors import ShapeError, UsageError
@@ -122,9 +124,41 @@ def clip_boundaries(
     >>> clipped.labels.tolist(), clipped.source.tolist()
     ([1, 0, 0, 0, 1, 1], [0, 0, 0, 1, 1, 1])
     """
-    label, places = _checked(mesh, labels, points, centers, weights, places)
-    net = Net.of(mesh, label, points, places, Bisectors(centers, weights))
-    kept = np.zeros(len(centers), np.bool_)
+    if weights.shape != (len(centers),) or not (weights > 0.0).all():
+        raise UsageError(f"clipping needs a positive weight for each of {len(centers)} centres")
+    boundaries = Bisectors(centers, weights)
+    return clip_along(mesh, labels, points, boundaries, n_parts=len(centers), places=places)
+
+
+def clip_along(
+    mesh: PolygonMesh,
+    labels: npt.ArrayLike,
+    points: FloatArray,
+    boundaries: Boundaries,
+    *,
+    n_parts: int,
+    places: FloatArray | None = None,
+) -> Clipped:
+    """The same along the boundaries of any partition of space.
+
+    Parameters
+    ----------
+    mesh, labels, points, places
+        As for :func:`clip_boundaries`.
+    boundaries : Boundaries
+        In the space of `points` and `places`.
+    n_parts : int
+
+    Raises
+    ------
+    ShapeError
+        Not one label and point per polygon, or place per vertex.
+    UsageError
+        A label of no part.
+    """
+    label, places = _checked(mesh, labels, points, n_parts, places)
+    net = Net.of(mesh, label, points, places, boundaries)
+    kept = np.zeros(n_parts, np.bool_)
     while True:
         pieces = divide(net, net.cuts(kept))
         lost = np.setdiff1d(label, pieces.labels)
@@ -137,8 +171,7 @@ def _checked(
     mesh: PolygonMesh,
     labels: npt.ArrayLike,
     points: FloatArray,
-    centers: FloatArray,
-    weights: FloatArray,
+    n_parts: int,
     places: FloatArray | None,
 ) -> tuple[IntArray, FloatArray]:
     """Labels and places as arrays that fit the mesh."""
@@ -151,11 +184,9 @@ def _checked(
             f"clipping needs a point for each of {mesh.n_polygons} polygons and a place for each"
             f" of {len(mesh.vertices)} vertices, not {len(points)} and {len(places)}"
         )
-    if weights.shape != (len(centers),) or not (weights > 0.0).all():
-        raise UsageError(f"clipping needs a positive weight for each of {len(centers)} centres")
-    if label.min() < 0 or label.max() >= len(centers):
+    if label.min() < 0 or label.max() >= n_parts:
         raise UsageError(
-            f"labels must be 0 to {len(centers) - 1}, one for each centre, and are"
+            f"labels must be 0 to {n_parts - 1}, one for each part of the partition, and are"
             f" {label.min()} to {label.max()}"
         )
     return label.astype(np.int64), places

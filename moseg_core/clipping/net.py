@@ -21,7 +21,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from moseg_core.clipping.bisector import Bisectors
+from moseg_core.clipping.boundaries import Boundaries
 from moseg_core.shape.mesh import PolygonMesh
 from moseg_core.types import BoolArray, FloatArray, IntArray
 
@@ -57,7 +57,7 @@ class Net:
     mesh : PolygonMesh
     label : (F,) int
         The part of each polygon.
-    bisectors : Bisectors
+    boundaries : Boundaries
     places : (P, 3) float
         Where each position lies in the space of the partition.
     vertex : (P,) int
@@ -69,14 +69,14 @@ class Net:
     edge : (T, 3) int
         The edge from each corner to the next.
     near : (P, n) float
-        Squared weighted distances of the positions to the centres.
+        How far the positions are from the parts, by what `boundaries` compares.
     near_face : (F, n) float
-        Those of the polygons.
+        How far the polygons are.
     """
 
     mesh: PolygonMesh
     label: IntArray
-    bisectors: Bisectors
+    boundaries: Boundaries
     places: FloatArray
     vertex: IntArray
     corner: IntArray
@@ -92,7 +92,7 @@ class Net:
         label: IntArray,
         points: FloatArray,
         places: FloatArray,
-        bisectors: Bisectors,
+        boundaries: Boundaries,
     ) -> Net:
         """From polygons with their labels and points, and vertices with their places."""
         _, vertex = np.unique(mesh.merged, return_index=True)
@@ -104,14 +104,14 @@ class Net:
         return cls(
             mesh=mesh,
             label=label,
-            bisectors=bisectors,
+            boundaries=boundaries,
             places=places[vertex],
             vertex=vertex,
             corner=corner,
             ends=np.stack([found // count, found % count], axis=1),
             edge=edge.reshape(-1, 3),
-            near=bisectors.squared(places[vertex]),
-            near_face=bisectors.squared(points),
+            near=boundaries.distances(places[vertex]),
+            near_face=boundaries.distances(points),
         )
 
     def cuts(self, kept: BoolArray) -> Cuts:
@@ -130,7 +130,7 @@ class Net:
         at_high = self.near[high, own] - self.near[high, other]
         cut = (own >= 0) & (other >= 0) & (at_low <= 0.0) & (at_high >= 0.0) & (at_low < at_high)
         where = np.zeros(len(cut))
-        where[cut] = self.bisectors.crossing(
+        where[cut] = self.boundaries.crossing(
             self.places[low[cut]], self.places[high[cut]], own[cut], other[cut]
         )
         return Cuts(label=label, cut=cut, where=where)

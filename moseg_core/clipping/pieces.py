@@ -170,7 +170,7 @@ def _junctions(net: Net, cut: _Cut, cuts: Cuts) -> FloatArray:
     # The mean of corners and cuts: never on a side, wherever the cuts are.
     middle = (2.0 - along + np.roll(along, 1, axis=1)) / 6.0
     corners = net.places[net.corner[cut.triangle]]
-    found = net.bisectors.junction(corners, cut.label, middle)
+    found = net.boundaries.junction(corners, cut.label, middle)
     # Where it lies outside, as far towards it as there is room.
     found = np.where(np.isfinite(found).all(axis=1, keepdims=True), found, middle)
     beyond = found < _ROOM

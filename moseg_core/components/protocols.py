@@ -29,6 +29,10 @@ A class may say more of itself, in attributes that no protocol asks for:
 ``connected``
     Of a parameterization, once made: true where each of its parts is in one piece, on a shape in
     one piece whose adjacency is known.
+``weighted_bisectors``
+    Of a parameterization: true where a point belongs to the centre, of those that a vector is
+    decoded to, with the least distance over weight. Its boundaries are then clipped in closed form,
+    without asking for ``distances``.
 ``optimal``
     Of a labeler: ``"unary"`` where no assignment has a lower sum of unary terms, ``"all"`` where
     none has a lower cost.
@@ -127,16 +131,25 @@ class Parameterization(Protocol):
         """The centres that a vector describes; inverse of :meth:`encode`."""
         ...
 
-    def distances(self, vector: FloatArray, points: FloatArray) -> FloatArray:
-        """(P, n) float: how far each point (model units) is from each part; least wins."""
-        ...
-
     def coordinates(self, part: int) -> IntArray:
         """Indices of the coordinates that belong to one part, for keeping it as it is."""
         ...
 
     def permute(self, vector: FloatArray, order: IntArray) -> FloatArray:
         """(m,) float: the vector whose part ``j`` is part ``order[j]`` of the given one."""
+        ...
+
+
+@runtime_checkable
+class ClippableParameterization(Parameterization, Protocol):
+    """A parameterization that also knows where its parts meet between elements.
+
+    So boundaries can be clipped below the resolution of a mesh (Sec. 4); those of others are
+    refused by name.
+    """
+
+    def distances(self, vector: FloatArray, points: FloatArray) -> FloatArray:
+        """(P, n) float: how far each point (model units) is from each part; least wins."""
         ...
 
 
@@ -415,12 +428,4 @@ class Embedding(Protocol):
         ShapeError
             The shape cannot be embedded; says why.
         """
-        ...
-
-
-class Refiner(Protocol):
-    """An improvement of a finished labelling, such as a smoother boundary."""
-
-    def __call__(self, evaluator: Evaluator, labels: Int32Array) -> Int32Array:
-        """(F,) int32: the improved labels."""
         ...

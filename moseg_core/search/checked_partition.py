@@ -142,6 +142,19 @@ class CheckedParameterization:
             raise self._broken(f"must decode a vector to {self._n_parts} finite centres")
         return Centers(positions=positions, weights=weights)
 
+    def distances(self, vector: FloatArray, points: FloatArray) -> FloatArray:
+        """(P, n) float: how far (P, 3) points are from each part, where it knows."""
+        self._check_given("distances", vector)
+        try:
+            found: FloatArray = np.asarray(self._array("distances", vector, points), np.float64)
+        except (TypeError, ValueError):
+            found = np.empty(0)
+        if found.shape != (len(points), self._n_parts) or not _finite(found):
+            raise self._broken(
+                f"must give finite distances of {len(points)} points from {self._n_parts} parts"
+            )
+        return found
+
     def coordinates(self, part: int) -> IntArray:
         """Indices of the coordinates that belong to one part."""
         if not 0 <= part < self._n_parts:

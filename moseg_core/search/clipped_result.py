@@ -1,24 +1,27 @@
 """A result with its boundaries clipped below mesh resolution (Sec. 4, Fig. 2).
 
-:mod:`moseg_core.clipping` cuts a labelled mesh along the bisectors of given centres; here the
-labels and centres are a result's.
+:mod:`moseg_core.clipping` cuts a labelled mesh along the boundaries of a partition of space; here
+labels and centres are a result's, and its parameterization says where the boundaries are. One that
+does not know is refused by name.
 """
 
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
-from moseg_core.clipping.clip import check_clippable, clip_boundaries
+from moseg_core.clipping.bisector import Bisectors
+from moseg_core.clipping.boundaries import Boundaries, DistanceField
+from moseg_core.clipping.clip import check_clippable, clip_along
+from moseg_core.components.chosen import Choice, Ready, prepare
+from moseg_core.components.protocols import Centers
 from moseg_core.errors import UsageError
+from moseg_core.search.checked_partition import make_partition
 
 if TYPE_CHECKING:
     from moseg_core.search.result import Result
     from moseg_core.shape.shape import Shape
-
-
-PARAMETERIZATION = "core:voronoi"
-"""The parameterization whose boundaries are weighted bisectors."""
 
 
 def clip(result: Result, *, space: Shape | None = None) -> Result:
@@ -37,7 +40,8 @@ def clip(result: Result, *, space: Shape | None = None) -> Result:
     Raises
     ------
     UsageError
-        The result was not found with weighted Voronoi partitions, or is one of several levels.
+        The result was found with a parameterization that does not know where parts meet between
+        elements, or is one of several levels.
     ShapeError
         The shape is no mesh, or `space` does not have its faces and vertices.
 
@@ -56,32 +60,41 @@ def clip(result: Result, *, space: Shape | None = None) -> Result:
             "boundaries can be clipped for results of one level only, so far; clip one of"
             " result.levels, such as result.levels['']"
         )
-    check_parameterization(result.method.get("parameterization", PARAMETERIZATION))
+    choice = Choice.read(result.method["parameterization"], "parameterization")
+    ready = prepare(choice, "parameterization", result.problem.registry)
+    check_parameterization(ready)
     mesh = check_clippable(result.shape)
     space = result.partitioned if space is None else space
-    return replace(
-        result,
-        clipped=clip_boundaries(
-            mesh,
-            result.labels,
-            space.points,
-            result.centers.positions,
-            result.centers.weights,
-            places=space.geometry.vertices,
-        ),
+    clipped = clip_along(
+        mesh,
+        result.labels,
+        space.points,
+        _boundaries(ready, space, result.centers),
+        n_parts=len(result.centers.weights),
+        places=space.geometry.vertices,
     )
+    return replace(result, clipped=clipped)
 
 
-def check_parameterization(name: str) -> None:
-    """Refuse a parameterization whose boundaries are not weighted bisectors.
+def _boundaries(ready: Ready, space: Shape, centers: Centers) -> Boundaries:
+    """Where the parts of a partition meet: in closed form where it says how, else by distances."""
+    if getattr(ready.factory, "weighted_bisectors", False):
+        return Bisectors(centers.positions, centers.weights)
+    partition = make_partition(ready, space, len(centers.weights))
+    return DistanceField(partial(partition.distances, partition.encode(centers)))
+
+
+def check_parameterization(ready: Ready) -> None:
+    """Refuse a parameterization that does not know where its parts meet between elements.
 
     Raises
     ------
     UsageError
         With its name.
     """
-    if name.partition("(")[0] != PARAMETERIZATION:
+    known = getattr(ready.factory, "weighted_bisectors", False)
+    if not known and not hasattr(ready.factory, "distances"):
         raise UsageError(
-            f"boundaries can be clipped for the parameterization '{PARAMETERIZATION}' only,"
-            f" not for '{name}'"
+            f"boundaries of the {ready.who} cannot be clipped: it does not say how far points are"
+            " from its parts; leave the clipping out, or use another parameterization"
         )

@@ -19,12 +19,14 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, Unpack
+from typing import Any, Unpack, cast
 
 import numpy as np
 import numpy.typing as npt
 
 from moseg_core.components.chosen import Choice
+from moseg_core.components.discovery.registry import Registry
+from moseg_core.components.discovery.specs import SeederSpec
 from moseg_core.components.protocols import Centers, Progress, Report
 from moseg_core.errors import MosegError, ShapeError, UsageError
 from moseg_core.problem.hierarchy import Hierarchy, combined
@@ -63,8 +65,8 @@ def segment_hierarchy(
         As for :func:`moseg_core.segment`; the level stands in front of the stage.
     **options
         The fields of :class:`moseg_core.SearchOptions`, on every level in place of what the level's
-        own options say. The seeder "given" is about the first level only. The seconds are
-        shared: each level gets its part of what is left.
+        own options say. A seeder that takes centres, such as "given", is about the first level
+        only. The seconds are shared: each level gets its part of what is left.
 
     Returns
     -------
@@ -183,7 +185,7 @@ def check_hierarchy(hierarchy: Hierarchy, options: SearchOptions) -> None:
         An unknown component or parameter, or a resolution too low for the labels of a level.
     """
     for path, level in hierarchy.levels():
-        settled = _for_level(options, path).settled(level.search)
+        settled = _for_level(options, path, level.problem.registry).settled(level.search)
         prepare_components(level.problem, settled)
         settled.check_resolution(len(level.problem.labels), path)
 
@@ -205,11 +207,12 @@ def as_hierarchy(task: Hierarchy | Recipe | Problem) -> Hierarchy:
     raise UsageError(f"a Hierarchy, Recipe or Problem is needed, not {task!r:.60}")
 
 
-def _for_level(options: SearchOptions, path: str) -> SearchOptions:
+def _for_level(options: SearchOptions, path: str, registry: Registry) -> SearchOptions:
     """The options for one level: centres given by hand are those of the whole."""
-    seeder = options.seeder
-    if path and isinstance(seeder, Choice) and seeder.name.removeprefix("core:") == "given":
-        return replace(options, seeder=None)
+    if path and isinstance(options.seeder, Choice):
+        seeder = registry.find("seeder", options.seeder.name)
+        if cast(SeederSpec, seeder.spec).takes_centers:
+            return replace(options, seeder=None)
     return options
 
 
@@ -254,7 +257,7 @@ class _Descent:
 
     def search(self, shape: Shape, level: Hierarchy, path: str, **more: Any) -> Result:
         """Segment one level, in its share of the time that is left."""
-        mine = _for_level(self.options, path)
+        mine = _for_level(self.options, path, level.problem.registry)
         if self.deadline is not None:
             left = max(0.0, self.deadline - time.monotonic()) / max(1, self.left)
             mine = replace(mine, max_seconds=left)

@@ -369,9 +369,7 @@ def prepare_components(problem: Problem, options: SettledOptions) -> dict[Kind, 
     UsageError, PluginError
         See :func:`moseg_core.components.chosen.prepare`.
     """
-    found = {
-        kind: prepare(getattr(options, kind), kind, problem.registry) for kind in SEARCH_KINDS
-    }
+    found = {kind: prepare(getattr(options, kind), kind, problem.registry) for kind in SEARCH_KINDS}
     if options.settings != "default":
         return found
     return {kind: component.tuned("default") for kind, component in found.items()}

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from moseg_core import Problem, Shape, clip, load, sample_path, save, segment
-from moseg_core.errors import ShapeError, UsageError
+from moseg_core.errors import ShapeError
 from moseg_core.io.read.ply import read_ply, read_ply_labels
 from tests.clipping.checks import assert_valid, is_closed, polygon_areas
 
@@ -59,18 +59,6 @@ def test_surfaces_are_clipped_and_labels_are_not(moseg, mallet, tmp_path):
     assert (rows["label"] == labels[rows["source"]])[pieces[rows["source"]] == 1].mean() > 0.99
 
 
-def test_other_parameterizations_are_refused_before_the_search(
-    moseg, mallet, monkeypatch, tmp_path
-):
-    monkeypatch.setattr("moseg_core.search.clipped_result.PARAMETERIZATION", "acme:bisectors")
-    out = tmp_path / "x.ply"
-    run = moseg("segment", mallet, "--recipe", "hammer", "--clip", "-o", out)
-    assert run.code == 2
-    assert "not for 'core:voronoi'" in run.err
-    assert len(run.err.strip().splitlines()) == 1
-    assert not out.exists()
-
-
 def test_a_clipped_result_is_the_same_result(found, tmp_path):
     smooth = clip(found)
     assert found.clipped is None
@@ -100,12 +88,6 @@ def test_in_another_space_that_space_is_asked(found, monkeypatch):
         np.testing.assert_allclose(
             other.clipped.mesh.vertices, here.clipped.mesh.vertices, atol=1e-9
         )
-
-
-def test_results_of_other_parameterizations_are_refused(found):
-    method = {**found.method, "parameterization": "acme:planes(count=3)"}
-    with pytest.raises(UsageError, match="'core:voronoi' only, not for 'acme:planes"):
-        clip(replace(found, method=method))
 
 
 def test_a_space_of_other_faces_is_refused(found):

@@ -70,7 +70,7 @@ def test_walk_through(moseg, mallet, tmp_path):
         (["--recipe", "hammer", "--seeder", "given"], "parameter 'centers' is missing"),
         (
             ["--recipe", "hammer", "--seeder", "kmeans", "--centers", "a=1,2,3"],
-            "--centers goes with the seeder 'given', not 'kmeans'",
+            "--centers goes with a seeder that takes centres, 'core:given', not 'kmeans'",
         ),
         (["--recipe", "hammer", "--pin", "head"], "write --pin label=120,121"),
         (["--recipe", "hammer", "--pin", "head=a"], "write --pin label=120,121"),

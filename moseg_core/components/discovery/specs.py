@@ -101,10 +101,21 @@ class ParameterizationSpec(Spec):
     kind = "parameterization"
 
 
+@dataclass(frozen=True, kw_only=True)
 class SeederSpec(Spec):
-    """An initial placement of centres: target makes a ``Seeder``."""
+    """An initial placement of centres: target makes a ``Seeder``.
+
+    Parameters
+    ----------
+    takes_centers : bool
+        Whether it places them where the user says, in a parameter ``centers``, a text such as
+        ``--centers`` takes. They are places on one shape, so that such a seeder is about the first
+        level only where parts are segmented in their turn.
+    """
 
     kind = "seeder"
+
+    takes_centers: bool = False
 
 
 class LabelerSpec(Spec):

@@ -14,7 +14,7 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse import csgraph
 
-from moseg_core.components.protocols import Centers, Parameterization
+from moseg_core.components.protocols import Centers, ClippableParameterization, Parameterization
 from moseg_core.shape.shape import Shape
 from moseg_core.testing.check import ContractFailure, Skip, Subject, check
 from moseg_core.testing.fixtures.problems import as_numbers, dots, horseshoe, pebble, unlike
@@ -296,6 +296,8 @@ def _coordinates(subject: Subject) -> None:
 def _distances(subject: Subject) -> None:
     shape, n = dots(), 3
     partition = _made(subject, shape, n)
+    if not isinstance(partition, ClippableParameterization):
+        raise Skip("it does not say how far points are from its parts")
     for seed in range(4):
         vector = partition.encode(_placed(shape, n, seed))
         distances = as_numbers(partition.distances(vector, shape.points))
