@@ -28,6 +28,7 @@ from moseg_core.components.protocols import Constraint as Constraint
 from moseg_core.components.protocols import Embedding as Embedding
 from moseg_core.components.protocols import Evaluator as Evaluator
 from moseg_core.components.protocols import Progress as Progress
+from moseg_core.components.protocols import Report as Report
 from moseg_core.components.protocols import Seeding as Seeding
 from moseg_core.components.segmentation import Segmentation as Segmentation
 from moseg_core.errors import ExpressionError as ExpressionError
@@ -35,8 +36,13 @@ from moseg_core.errors import MosegError as MosegError
 from moseg_core.errors import PluginError as PluginError
 from moseg_core.errors import ShapeError as ShapeError
 from moseg_core.errors import UsageError as UsageError
+from moseg_core.errors import unknown as unknown
+from moseg_core.io import Labelling as Labelling
 from moseg_core.io import load as load
+from moseg_core.io import read_labels as read_labels
 from moseg_core.io import save as save
+from moseg_core.io import save_labels as save_labels
+from moseg_core.io import write_file as write_file
 from moseg_core.problem.aggregate import Evaluation as Evaluation
 from moseg_core.problem.hierarchy import Hierarchy as Hierarchy
 from moseg_core.problem.problem import Problem as Problem
@@ -46,13 +52,17 @@ from moseg_core.samples import sample_labels_path as sample_labels_path
 from moseg_core.samples import sample_path as sample_path
 from moseg_core.search.clipped_result import clip as clip
 from moseg_core.search.evaluator import ProblemEvaluator as ProblemEvaluator
+from moseg_core.search.levels import check_hierarchy as check_hierarchy
 from moseg_core.search.levels import refine as refine
 from moseg_core.search.levels import segment_hierarchy as segment_hierarchy
 from moseg_core.search.result import Result as Result
 from moseg_core.search.segment import segment as segment
+from moseg_core.search.workers import Workers as Workers
+from moseg_core.search.workers import available_workers as available_workers
 from moseg_core.shape.coarse import coarsen as coarsen
 from moseg_core.shape.shape import Shape as Shape
 from moseg_core.shape.volume.capped import capped_volume as capped_volume
+from moseg_core.view.picture import render_picture as render_picture
 
 __version__: str
 from moseg_core.problem.settings import SearchOptions as SearchOptions

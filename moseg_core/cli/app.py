@@ -10,7 +10,6 @@ from cyclopts import App, Parameter
 from moseg_core.cli.flags import (
     Flag,
     ProblemFlags,
-    Repeated,
     SearchedProblemFlags,
     SearchFlags,
     ShapeFlags,
@@ -27,8 +26,6 @@ app = App(
     help_on_error=False,
 )
 app.command(plugin_app)
-benchmark_app = App(name="benchmark", help="How well results agree with people.")
-app.command(benchmark_app)
 
 Outputs = Annotated[
     list[Path] | None,
@@ -242,61 +239,3 @@ def recipes(name: str | None = None, /, *, json: Flag = False) -> None:
     from moseg_core.cli.recipes import run_recipes
 
     run_recipes(name, as_json=json)
-
-
-@benchmark_app.command
-def psb(
-    *,
-    data: Path,
-    category: Repeated = None,
-    recipe_for: Repeated = None,
-    settings: str = "default",
-    seeds: str = "0",
-    workers: int | None = None,
-    resume: Flag = False,
-    out: Annotated[Path, Parameter(name=["--out", "-o"])],
-    quiet: Flag = False,
-) -> None:
-    """Compare results, k-means and people on the Princeton Segmentation Benchmark.
-
-    Its data is not part of moseg; nothing is downloaded. Prints 1 - Rand Index by category, and
-    what people's parts cost under the recipe beside the cost found; writes both with pictures.
-
-    Examples
-    --------
-    moseg benchmark psb --data psb --category Fourleg --settings default,paper --seeds 0-2 -o report
-
-    Parameters
-    ----------
-    data
-        Folder with off/ID.off, seg/ID/ID_K.seg and labels/ID_labels.txt.
-    category
-        Only these models: Fourleg, Human, ... Repeatable.
-    recipe_for
-        Which recipe to search a category's models with: Fourleg=horse, or a path. Repeatable.
-    settings
-        "default", "paper", or both with a comma between.
-    seeds
-        Seeds of the searches, such as 0-2 or 0,5.
-    workers
-        Number of processes; as many as there are processors by default. Each search has one.
-    resume
-        Take over from an earlier run into the same folder what was asked in the same way.
-    out
-        Folder for index.html, report.json, pictures and the labels found.
-    quiet
-        Print the tables only.
-    """
-    from moseg_core.cli.benchmark import run_psb
-
-    run_psb(
-        data,
-        categories=category or [],
-        recipes=recipe_for or [],
-        settings=settings,
-        seeds=seeds,
-        workers=workers,
-        resume=resume,
-        out=out,
-        quiet=quiet,
-    )

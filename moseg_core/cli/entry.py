@@ -10,7 +10,7 @@ from cyclopts import CycloptsError
 
 from moseg_core.cli.app import app
 from moseg_core.components.discovery.registry import registry
-from moseg_core.errors import MosegError
+from moseg_core.errors import MosegError, UsageError, unknown
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -30,24 +30,33 @@ def main(arguments: Sequence[str] | None = None) -> None:
     sys.exit(_run(list(sys.argv[1:] if arguments is None else arguments)))
 
 
-def _add_foreign_commands(asked: str) -> None:
-    """Add the commands that bundles bring, where the one asked for is none of the core's.
+def _add_foreign_command(asked: str) -> None:
+    """Add the command asked for where it is a bundle's; the core's own come first.
 
-    Only the one asked for is imported.
+    Only that one is imported.
+
+    Raises
+    ------
+    UsageError
+        Nobody has such a command, or several bundles have.
+    PluginError
+        It cannot be imported.
     """
     if asked.startswith("-") or asked in app:
         return
-    for component in registry().components("command"):
-        name = component.spec.name
-        if name in app:
-            continue  # the core's own, or one that was added before
-        target = component.load() if name == asked else component.spec.target
-        app.command(target, name=name, help=None if name == asked else component.spec.summary)
+    commands = registry().components("command")
+    if not any(asked in (command.id, command.spec.name) for command in commands):
+        own = [name for name in app if not name.startswith("-")]
+        known = [*own, *(command.spec.name for command in commands)]
+        hint = "see 'moseg --help', and 'moseg plugin list' for those of bundles"
+        raise UsageError(f"{unknown('command', asked, known)} ({hint})")
+    # An App has a help of its own; of a function the docstring is the help.
+    app.command(registry().find("command", asked).load(), name=asked)
 
 
 def _run(arguments: list[str]) -> int:
     try:
-        _add_foreign_commands(arguments[0] if arguments else "--help")
+        _add_foreign_command(arguments[0] if arguments else "--help")
         command, bound, _ = app.parse_args(arguments, exit_on_error=False, print_error=False)
         command(*bound.args, **bound.kwargs)
         sys.stdout.flush()

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from moseg_core.cli.console import message
 from moseg_core.errors import UsageError
-from moseg_core.io import encode_seg, load, read_labels, write_file
+from moseg_core.io import load, read_labels, save_labels, write_file
 from moseg_core.io.files import check_destination
 from moseg_core.samples import sample_labels_path, sample_path
 
@@ -25,5 +25,5 @@ def run_sample(name: str, out: Path, labels: Path | None) -> None:
         if labels.suffix.lower() == ".txt":
             write_file(labels, truth.read_bytes())
         else:
-            write_file(labels, encode_seg(read_labels(truth, load(mesh).n_elements).labels))
+            save_labels(read_labels(truth, load(mesh).n_elements).labels, labels)
     message(f"wrote {out}" + (f", {labels}" if labels else ""))

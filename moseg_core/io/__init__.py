@@ -1,7 +1,13 @@
 """Files in and out: shapes by :func:`load`, results by :func:`save`, labellings by suffix."""
 
 from moseg_core.io.files import load, save, write_file
-from moseg_core.io.label_files import Labelling, encode_named_labels, encode_seg, read_labels
+from moseg_core.io.label_files import (
+    Labelling,
+    encode_named_labels,
+    encode_seg,
+    read_labels,
+    save_labels,
+)
 from moseg_core.io.result_json import SavedResult, read_result
 
 __all__ = [
@@ -13,5 +19,6 @@ __all__ = [
     "read_labels",
     "read_result",
     "save",
+    "save_labels",
     "write_file",
 ]

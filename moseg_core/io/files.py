@@ -127,14 +127,28 @@ def check_destination(path: Path) -> None:
         raise UsageError(f"cannot write '{path}': there is no folder '{path.parent}'")
 
 
-def write_file(path: Path, data: bytes) -> None:
-    """Write aside, then rename.
+def write_file(path: str | os.PathLike[str], data: bytes) -> None:
+    """Write a file whole or not at all: aside, then renamed.
+
+    Parameters
+    ----------
+    path : path-like
+        In a folder that exists; what stands there is replaced.
+    data : bytes
 
     Raises
     ------
     MosegError
         The disk is full, or the folder not writable.
+
+    Examples
+    --------
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_file(Path(folder) / "note.txt", b"whole")
+    ...     [(path.name, path.read_bytes()) for path in Path(folder).iterdir()]
+    [('note.txt', b'whole')]
     """
+    path = Path(path)
     try:
         descriptor, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
     except OSError as error:

@@ -16,13 +16,14 @@ suffix  contents
 ======  ==========================================================================
 
 A labelling belongs to a shape, so reading takes the number of its elements and refuses what does
-not fit it.
+not fit it. The first two can be written without a result too.
 """
 
 from __future__ import annotations
 
 import io
 import json
+import os
 import re
 import zlib
 from collections.abc import Callable, Sequence
@@ -34,6 +35,7 @@ import numpy as np
 import numpy.typing as npt
 
 from moseg_core.errors import UsageError
+from moseg_core.io.files import write_file
 from moseg_core.io.read.checked import file_error, read_file
 from moseg_core.io.read.grids import read_array
 from moseg_core.io.read.ply import read_ply_label_names, read_ply_labels
@@ -278,6 +280,52 @@ _READERS: dict[str, Callable[[Path, int], Labelling]] = {
     ".npz": _read_npz,
     ".npy": _read_npy,
 }
+
+
+def save_labels(
+    labels: npt.ArrayLike,
+    path: str | os.PathLike[str],
+    *,
+    names: Sequence[str] | None = None,
+) -> None:
+    """Write the labelling of a shape, in the format that the suffix says.
+
+    Parameters
+    ----------
+    labels : (F,) array_like of int
+        From 0.
+    path : path-like
+        With the suffix ".seg", which keeps numbers alone, or ".txt", which needs names.
+    names : sequence of str, optional
+        ``names[k]`` is the name of label ``k``.
+
+    Raises
+    ------
+    UsageError
+        Another suffix, ".txt" without names, or labels and names that could not be read back.
+    MosegError
+        The file cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = Path(folder) / "cup_labels.txt"
+    ...     save_labels([0, 1, 0], file, names=["body", "handle"])
+    ...     cup = read_labels(file, 3)
+    >>> cup.labels.tolist(), cup.names
+    ([0, 1, 0], ('body', 'handle'))
+    """
+    path = Path(path)
+    suffix = path.suffix.lower()
+    if suffix not in (".seg", ".txt"):
+        raise UsageError(f"labels are written as .txt or .seg, not '{suffix or path.name}'")
+    if suffix == ".seg":
+        write_file(path, encode_seg(labels))
+    elif names is None:
+        raise UsageError(f"'{path}' needs names for the labels; give them, or write a .seg file")
+    else:
+        write_file(path, encode_named_labels(labels, names))
 
 
 def encode_seg(labels: npt.ArrayLike) -> bytes:

@@ -28,7 +28,7 @@ from moseg_core.components.discovery.registry import Registry
 from moseg_core.errors import UsageError, unknown
 from moseg_core.problem.aggregate import CallValue, Evaluation, TermValue
 from moseg_core.problem.problem import Problem
-from moseg_core.problem.settings import SearchOptions
+from moseg_core.problem.settings import SEARCH_KINDS, SearchOptions
 from moseg_core.problem.statement import SEPARATOR, Statement, joined
 from moseg_core.shape.labels import checked_labels
 from moseg_core.shape.shape import Shape
@@ -157,6 +157,32 @@ class Hierarchy:
     def registry(self) -> Registry:
         """Where installed components are looked up."""
         return self.problem.registry
+
+    @property
+    def versions(self) -> dict[str, str]:
+        """Of each component on any level, by id, the distribution and its version.
+
+        Those that the problems name, and those that search where the request names no others.
+
+        Raises
+        ------
+        UsageError
+            A level is to be searched by a component that is not installed.
+
+        Examples
+        --------
+        >>> task = Hierarchy(Problem(["a"], "narrow(a)"))
+        >>> [name for name in task.versions if name.startswith("core:")]
+        ['core:hungarian', 'core:kmeans', 'core:pattern_search', 'core:voronoi']
+        """
+        named: dict[str, str] = {}
+        for _, level in self.levels():
+            named |= level.problem.versions
+            settled = SearchOptions().settled(level.search)
+            for kind in SEARCH_KINDS:
+                component = level.registry.find(kind, getattr(settled, kind).name)
+                named[component.id] = component.distribution
+        return dict(sorted(named.items()))
 
     def levels(self, path: str = "") -> Iterator[tuple[str, Hierarchy]]:
         """Every level with its path, "" for the whole; a part after what it is a part of."""

@@ -172,6 +172,21 @@ class Problem:
         """Where installed components are looked up."""
         return registry() if self._registry is None else self._registry
 
+    @property
+    def versions(self) -> dict[str, str]:
+        """Of each component that the problem names, by id, the distribution and its version.
+
+        Examples
+        --------
+        >>> list(Problem(["a"], "narrow(a) + convex_parts").versions)
+        ['basic:convex_parts', 'basic:narrow']
+        """
+        named = {term.id: term.distribution for term in self.terms}
+        named |= {rule.id: rule.distribution for rule in self.rules}
+        if self.bending is not None:
+            named[self.bending.component.id] = self.bending.component.distribution
+        return dict(sorted(named.items()))
+
     @cached_property
     def unary_terms(self) -> tuple[BoundTerm, ...]:
         """The terms about single parts, on which labels are assigned (Sec. 6)."""

@@ -376,11 +376,8 @@ def prepare_components(problem: Problem, options: SettledOptions) -> dict[Kind, 
 
 
 def _versions(problem: Problem, ready: Mapping[Kind, Ready]) -> dict[str, str]:
-    used = {term.id: term.distribution for term in problem.terms}
-    used |= {rule.id: rule.distribution for rule in problem.rules}
-    chosen = [*ready.values(), *([problem.bending] if problem.bending else [])]
-    used |= {r.component.id: r.component.distribution for r in chosen}
-    return dict(sorted(used.items()))
+    chosen = {r.component.id: r.component.distribution for r in ready.values()}
+    return dict(sorted((problem.versions | chosen).items()))
 
 
 def _silent(progress: Progress) -> bool:

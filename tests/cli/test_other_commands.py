@@ -128,4 +128,4 @@ def test_version_and_help(moseg):
 def test_unknown_command_suggests(moseg):
     run = moseg("segmen", "x.off")
     assert run.code == 2
-    assert 'Did you mean "segment"' in run.err
+    assert "did you mean 'segment'" in run.err

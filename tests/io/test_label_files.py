@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from moseg_core.errors import UsageError
-from moseg_core.io.label_files import encode_named_labels, encode_seg, read_labels
+from moseg_core.io.label_files import encode_named_labels, encode_seg, read_labels, save_labels
 
 NAMED = "body\n1 3 4 \nupper arm\n5 2 \n"
 
@@ -216,3 +216,21 @@ def test_benchmark_labels_come_back_as_they_were_written(as_file):
             assert (
                 encode_seg(read_labels(seg, int(off[2])).labels).split() == seg.read_bytes().split()
             )
+
+
+def test_labels_are_saved_by_suffix(tmp_path):
+    save_labels([1, 0, 1], tmp_path / "x.SEG")
+    assert (tmp_path / "x.SEG").read_bytes() == b"1\n0\n1\n"
+    save_labels([1, 0, 1], str(tmp_path / "x.txt"), names=["a", "b"])
+    found = read_labels(tmp_path / "x.txt", 3)
+    assert (found.names[found.labels[0]], found.names[found.labels[1]]) == ("b", "a")
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [("x.txt", "needs names"), ("x.json", "as .txt or .seg, not '.json'"), ("x", "not 'x'")],
+)
+def test_labels_that_cannot_be_saved_are_refused(tmp_path, name, message):
+    with pytest.raises(UsageError, match=message):
+        save_labels([0, 1], tmp_path / name)
+    assert list(tmp_path.iterdir()) == []

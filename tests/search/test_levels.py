@@ -11,6 +11,7 @@ from moseg_core.io import load, read_labels, read_result, save
 from moseg_core.problem.hierarchy import Hierarchy
 from moseg_core.problem.problem import Problem
 from moseg_core.problem.recipe import parse_recipe
+from moseg_core.problem.settings import SearchOptions
 from moseg_core.search.clipped_result import clip
 from moseg_core.search.levels import refine, segment_hierarchy
 from moseg_core.search.result import Result
@@ -144,6 +145,26 @@ def test_history_method_and_versions_tell_the_level(result):
     assert result.method["rest: seeder"] == result.method["seeder"] == "core:kmeans"
     assert result.versions == dict(sorted(result.versions.items()))
     assert {"basic:narrow", "core:kmeans"} <= set(result.versions)
+
+
+def test_the_versions_of_a_run_are_known_before_it(result):
+    assert result.versions == TASK.versions
+    ends = Hierarchy(REST, search=SearchOptions(seeder="evolution", labeler="core:greedy"))
+    core = TASK.versions["core:kmeans"]
+    more = {"core:evolution": core, "core:greedy": core}
+    assert Hierarchy(WHOLE, {"rest": ends}).versions == TASK.versions | more
+
+
+def test_versions_name_constraints_and_the_embedding():
+    problem = Problem(["bar", "rest"], "flat(bar)", constraints=["on_plane(bar)"], embedding="mds")
+    assert list(problem.versions) == ["basic:flat", "mds:mds", "symmetry:on_plane"]
+    assert problem.versions["mds:mds"].startswith("moseg-mds ")
+
+
+def test_a_component_that_is_not_installed_has_no_version():
+    task = Hierarchy(WHOLE, search=SearchOptions(seeder="kmean"))
+    with pytest.raises(UsageError, match="unknown seeder 'kmean'; did you mean 'kmeans'"):
+        _ = task.versions
 
 
 def test_every_level_has_its_own_method():

@@ -147,6 +147,9 @@ class CommandSpec(Spec):
 
     Its docstring is the help, in the form of the core's own commands (:mod:`moseg_core.cli.app`).
     It prints, and raises the errors of :mod:`moseg_core.errors` to end with their exit codes.
+
+    A command that has commands of its own, ``moseg NAME DEED``, is a :class:`cyclopts.App` instead,
+    with a function of this kind for each deed.
     """
 
     kind = "command"

@@ -1,15 +1,14 @@
-"""Rows summed up, against numbers by hand."""
+"""Results summed up, against numbers by hand."""
 
 import pytest
+from moseg_benchmark.cases import CaseResult
+from moseg_benchmark.tables import agreement_table, cost_table, failures, verdict
 
-from moseg_core.bench.cases import Row
-from moseg_core.bench.tables import agreement_table, cost_table, failures, verdict
-
-ROWS = [
-    Row(model=21, category="Cup", method="people", rand_index_error=0.1),
-    Row(model=25, category="Cup", method="people", rand_index_error=0.3),
-    Row(model=381, category="Fourleg", method="people", rand_index_error=0.5),
-    Row(
+RESULTS = [
+    CaseResult(model=21, category="Cup", method="people", rand_index_error=0.1),
+    CaseResult(model=25, category="Cup", method="people", rand_index_error=0.3),
+    CaseResult(model=381, category="Fourleg", method="people", rand_index_error=0.5),
+    CaseResult(
         model=381,
         category="Fourleg",
         method="default",
@@ -19,7 +18,7 @@ ROWS = [
         seconds=10.0,
         cost=6.0,
     ),
-    Row(
+    CaseResult(
         model=381,
         category="Fourleg",
         method="default",
@@ -30,8 +29,10 @@ ROWS = [
         seconds=20.0,
         cost=5.0,
     ),
-    Row(model=381, category="Fourleg", method="default", recipe="horse", seed=2, failure="no disk"),
-    Row(
+    CaseResult(
+        model=381, category="Fourleg", method="default", recipe="horse", seed=2, failure="no disk"
+    ),
+    CaseResult(
         model=381,
         category="Fourleg",
         method="costs",
@@ -44,7 +45,7 @@ ROWS = [
 
 
 def test_means_are_over_models_then_over_categories():
-    table = agreement_table(ROWS, ["Cup", "Fourleg"])
+    table = agreement_table(RESULTS, ["Cup", "Fourleg"])
     assert table.heads[:4] == ["category", "models", "people", "default"]
     assert table.rows[0] == ["Cup", "2", "0.200", "", "", "", ""]
     assert table.rows[1] == ["Fourleg", "1", "0.500", "0.300", "60.0%", "15.0", "1 of 3"]
@@ -52,11 +53,11 @@ def test_means_are_over_models_then_over_categories():
 
 
 def test_one_category_needs_no_mean():
-    assert len(agreement_table(ROWS, ["Cup"]).rows) == 1
+    assert len(agreement_table(RESULTS, ["Cup"]).rows) == 1
 
 
 def test_costs_of_people_are_beside_the_cost_found():
-    table = cost_table(ROWS)
+    table = cost_table(RESULTS)
     assert table.rows == [
         [
             *("Fourleg", "horse", "381", "8", "4.5 to 7 (2), 3 lack a part", "1"),
@@ -81,4 +82,4 @@ def test_verdicts(named, people, found, expected):
 
 
 def test_failures_say_where_and_why():
-    assert failures(ROWS) == ["Fourleg 381, default, seed 2: no disk"]
+    assert failures(RESULTS) == ["Fourleg 381, default, seed 2: no disk"]

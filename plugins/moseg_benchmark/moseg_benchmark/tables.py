@@ -1,4 +1,4 @@
-"""A benchmark's rows summed up: how well methods agree with people, and what people cost.
+"""A benchmark's results summed up: how well methods agree with people, and what people cost.
 
 As in Chen et al. 2009 (doi:10.1145/1531326.1531379), a model's number is the mean over its
 people, here also over seeds; a category's the mean over its models; the last line is the mean over
@@ -14,13 +14,13 @@ import statistics
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from moseg_core.bench.cases import COSTS, KMEANS, PEOPLE, Row
+from moseg_benchmark.cases import COSTS, KMEANS, PEOPLE, CaseResult
 
 Cells = list[str]
 
 
 @dataclass(frozen=True)
-class Printed:
+class Table:
     """A table ready to print.
 
     Parameters
@@ -35,67 +35,73 @@ class Printed:
     rows: list[Cells]
 
 
-def all_tables(rows: Sequence[Row], categories: Sequence[str]) -> list[Printed]:
+def all_tables(results: Sequence[CaseResult], categories: Sequence[str]) -> list[Table]:
     """The tables of a report that have something to say."""
-    return [table for table in (agreement_table(rows, categories), cost_table(rows)) if table.rows]
+    tables = (agreement_table(results, categories), cost_table(results))
+    return [table for table in tables if table.rows]
 
 
-def mean_by_model(rows: Sequence[Row], value: Callable[[Row], float | None]) -> dict[int, float]:
-    """For each model the mean over its rows, of those that have the value."""
-    found: dict[int, list[float]] = {}
-    for row in rows:
-        number = value(row)
+def mean_by_model(
+    results: Sequence[CaseResult], value: Callable[[CaseResult], float | None]
+) -> dict[int, float]:
+    """For each model the mean over its results, of those that have the value."""
+    values: dict[int, list[float]] = {}
+    for result in results:
+        number = value(result)
         if number is not None:
-            found.setdefault(row.model, []).append(number)
-    return {model: statistics.fmean(numbers) for model, numbers in found.items()}
+            values.setdefault(result.model, []).append(number)
+    return {model: statistics.fmean(numbers) for model, numbers in values.items()}
 
 
-def agreement_table(rows: Sequence[Row], categories: Sequence[str]) -> Printed:
+def agreement_table(results: Sequence[CaseResult], categories: Sequence[str]) -> Table:
     """1 - Rand Index, names and seconds by category and method.
 
     Parameters
     ----------
-    rows : sequence of Row
+    results : sequence of CaseResult
     categories : sequence of str
         In the order of the lines.
     """
-    methods = list(dict.fromkeys(row.method for row in rows if row.method != COSTS))
+    methods = list(dict.fromkeys(result.method for result in results if result.method != COSTS))
     searches = [method for method in methods if method not in (PEOPLE, KMEANS)]
     heads = ["category", "models", *methods]
     for method in searches:
         heads += [f"{method}: named right", f"{method}: seconds", f"{method}: failed"]
-    lines: list[list[float | None]] = []
-    printed: list[Cells] = []
+    columns: list[list[float | None]] = []
+    rows: list[Cells] = []
     for category in categories:
-        mine = [row for row in rows if row.category == category]
-        if not mine:
+        of_category = [result for result in results if result.category == category]
+        if not of_category:
             continue
-        by_method = {m: [row for row in mine if row.method == m] for m in methods}
-        numbers = [_mean(by_method[m], lambda row: row.rand_index_error) for m in methods]
+        by_method = {m: [r for r in of_category if r.method == m] for m in methods}
+        numbers = [_mean(by_method[m], lambda result: result.rand_index_error) for m in methods]
         failed: list[str] = []
         for method in searches:
-            numbers.append(_mean(by_method[method], lambda row: row.named_right))
-            numbers.append(_mean(by_method[method], lambda row: row.seconds))
-            failures = sum(bool(row.failure) for row in by_method[method])
-            failed.append(f"{failures} of {len(by_method[method])}" if failures else "")
-        lines.append(numbers)
-        printed.append(_line(category, len({row.model for row in mine}), numbers, methods, failed))
-    if len(lines) > 1:
+            numbers.append(_mean(by_method[method], lambda result: result.named_right))
+            numbers.append(_mean(by_method[method], lambda result: result.seconds))
+            count = sum(bool(result.failure) for result in by_method[method])
+            failed.append(f"{count} of {len(by_method[method])}" if count else "")
+        columns.append(numbers)
+        models = len({result.model for result in of_category})
+        rows.append(_row(category, models, numbers, methods, failed))
+    if len(columns) > 1:
         means = [
             statistics.fmean(known) if (known := [v for v in column if v is not None]) else None
-            for column in zip(*lines, strict=True)
+            for column in zip(*columns, strict=True)
         ]
-        models = len({row.model for row in rows})
-        printed.append(_line("mean", models, means, methods, [""] * len(searches)))
-    return Printed("1 - Rand Index (0 is best), area named right, seconds", heads, printed)
+        models = len({result.model for result in results})
+        rows.append(_row("mean", models, means, methods, [""] * len(searches)))
+    return Table("1 - Rand Index (0 is best), area named right, seconds", heads, rows)
 
 
-def _mean(rows: Sequence[Row], value: Callable[[Row], float | None]) -> float | None:
-    known = mean_by_model(rows, value)
+def _mean(
+    results: Sequence[CaseResult], value: Callable[[CaseResult], float | None]
+) -> float | None:
+    known = mean_by_model(results, value)
     return statistics.fmean(known.values()) if known else None
 
 
-def _line(
+def _row(
     name: str,
     models: int,
     numbers: Sequence[float | None],
@@ -113,36 +119,36 @@ def _number(value: float | None, style: str) -> str:
     return "" if value is None else format(value, style)
 
 
-def cost_table(rows: Sequence[Row]) -> Printed:
+def cost_table(results: Sequence[CaseResult]) -> Table:
     """What people's parts and found ones cost under the recipe, model by model.
 
     Parameters
     ----------
-    rows : sequence of Row
+    results : sequence of CaseResult
     """
     searches = list(
-        dict.fromkeys(row.method for row in rows if row.method not in (PEOPLE, KMEANS, COSTS))
+        dict.fromkeys(r.method for r in results if r.method not in (PEOPLE, KMEANS, COSTS))
     )
     heads = ["category", "recipe", "model", "named parts", "people", "people below"]
     heads += [f"{method}: found" for method in searches] + ["verdict"]
-    printed: list[Cells] = []
-    for row in (row for row in rows if row.method == COSTS):
-        same = [o for o in rows if o.model == row.model and o.recipe == row.recipe]
+    rows: list[Cells] = []
+    for costs in (result for result in results if result.method == COSTS):
+        same = [r for r in results if r.model == costs.model and r.recipe == costs.recipe]
         found = [
-            [o.cost for o in same if o.method == method and o.cost is not None and not o.empty]
+            [r.cost for r in same if r.method == method and r.cost is not None and not r.empty]
             for method in searches
         ]
-        least = min((cost for costs in found for cost in costs), default=None)
-        people = sorted(row.people)
-        whole = row.cost if row.cost is not None and not row.empty else None
+        least = min((cost for values in found for cost in values), default=None)
+        people = sorted(costs.people)
+        named = costs.cost if costs.cost is not None and not costs.empty else None
         span = f"{people[0]:.3g} to {people[-1]:.3g} ({len(people)})" if people else ""
-        if row.incomplete:
-            span += f"{', ' if span else ''}{row.incomplete} lack a part"
+        if costs.incomplete:
+            span += f"{', ' if span else ''}{costs.incomplete} lack a part"
         below = "" if least is None or not people else str(sum(cost < least for cost in people))
-        cells = [row.category, row.recipe, str(row.model), _number(whole, ".4g"), span, below]
-        cells += [_spread(costs) for costs in found]
-        printed.append([*cells, row.failure or verdict(whole, people, least)])
-    return Printed("Cost of people's parts beside the cost found", heads, printed)
+        cells = [costs.category, costs.recipe, str(costs.model)]
+        cells += [_number(named, ".4g"), span, below, *map(_spread, found)]
+        rows.append([*cells, costs.failure or verdict(named, people, least)])
+    return Table("Cost of people's parts beside the cost found", heads, rows)
 
 
 def _spread(costs: Sequence[float]) -> str:
@@ -174,20 +180,20 @@ def verdict(named: float | None, people: Sequence[float], found: float | None) -
     >>> verdict(8.1, [7.9, 9.0], 6.5), verdict(8.1, [7.9, 9.0], 9.5), verdict(None, [], 1.0)
     ('recipe', 'search', '')
     """
-    given = [*people, *([] if named is None else [named])]
-    if found is None or not given:
+    costs = [*people, *([] if named is None else [named])]
+    if found is None or not costs:
         return ""
-    above = [cost > found for cost in given]
+    above = [cost > found for cost in costs]
     if all(above):
         return "recipe"
     return "both" if any(above) else "search"
 
 
-def failures(rows: Sequence[Row]) -> list[str]:
+def failures(results: Sequence[CaseResult]) -> list[str]:
     """A line for each case that failed, with its reason."""
     return [
-        f"{row.category} {row.model}, {row.method}{f', seed {row.seed}' if row.seed else ''}:"
-        f" {row.failure}"
-        for row in rows
-        if row.failure
+        f"{result.category} {result.model}, {result.method}"
+        f"{f', seed {result.seed}' if result.seed else ''}: {result.failure}"
+        for result in results
+        if result.failure
     ]

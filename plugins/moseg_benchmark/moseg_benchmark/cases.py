@@ -3,7 +3,7 @@
 A case is a model with a method: what people say of it, compared with each other; k-means on the
 face centroids with as many clusters as people see parts (the benchmark's own baseline); a recipe
 under some settings and a seed; or what people's parts cost under the recipe. Whatever goes wrong
-in a case becomes part of its row, so that one bad mesh does not end an hour's work.
+in a case becomes part of its result, so that one bad mesh does not end an hour's work.
 """
 
 from __future__ import annotations
@@ -18,24 +18,28 @@ from typing import Any
 
 import numpy as np
 
+from moseg_benchmark.label_matching import IntArray, Naming, labels_by_overlap, labels_of_names
+from moseg_benchmark.psb import Model
+from moseg_core import (
+    Hierarchy,
+    Labelling,
+    MosegError,
+    Recipe,
+    Report,
+    Shape,
+    UsageError,
+    load,
+    read_labels,
+    segment_hierarchy,
+)
 from moseg_core.agreement import named_right, rand_index_error
-from moseg_core.bench.names import Naming, labels_by_overlap, labels_of_names
-from moseg_core.bench.psb import Model
-from moseg_core.components.protocols import Report
-from moseg_core.errors import MosegError, UsageError
-from moseg_core.io import Labelling, load, read_labels
-from moseg_core.problem.hierarchy import Hierarchy
-from moseg_core.problem.recipe import Recipe
-from moseg_core.search.levels import segment_hierarchy
-from moseg_core.shape.shape import Shape
-from moseg_core.types import IntArray
 
 PEOPLE, KMEANS, COSTS = "people", "k-means", "costs"
 """Methods that need no recipe's search."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Case:
+class BenchmarkCase:
     """One thing to measure.
 
     Parameters
@@ -68,7 +72,7 @@ class Case:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Row:
+class CaseResult:
     """What a case came to; None stands for what it does not measure.
 
     Parameters
@@ -77,9 +81,9 @@ class Row:
     category, method, recipe : str
     seed : int
     rand_index_error : float or None
-        1 - Rand Index by faces, mean over people; 0 is best.
+        1 - Rand Index by faces, mean over people, 0 to 1; 0 is best.
     named_right : float or None
-        Share of the area with the right name; 1 is best.
+        Share of the area with the right name, 0 to 1; 1 is best.
     seconds : float or None
         Wall-clock time of the search.
     cost : float or None
@@ -109,26 +113,27 @@ class Row:
     failure: str = ""
 
     @classmethod
-    def read(cls, document: Mapping[str, Any]) -> Row:
+    def read(cls, document: Mapping[str, Any]) -> CaseResult:
         """From plain data, as :func:`dataclasses.asdict` makes them."""
         return cls(**{**document, "people": tuple(document["people"])})
 
 
-def run_case(case: Case, *, report: Report) -> tuple[Row, IntArray | None]:
+def run_case(case: BenchmarkCase, *, report: Report) -> tuple[CaseResult, IntArray | None]:
     """Measure one case.
 
     Parameters
     ----------
-    case : Case
+    case : BenchmarkCase
     report : callable
+        Told how far a search has come; True asks it to stop.
 
     Returns
     -------
-    row : Row
+    result : CaseResult
     labels : (F,) int or None
         The labelling that was measured, where there is a single one.
     """
-    base: dict[str, Any] = {
+    subject: dict[str, Any] = {
         "model": case.model.number,
         "category": case.model.category,
         "method": case.method,
@@ -142,23 +147,23 @@ def run_case(case: Case, *, report: Report) -> tuple[Row, IntArray | None]:
             raise UsageError("there are no segmentations by people")
         values, labels = _measure(case, shape, people, report)
     except MosegError as error:
-        return Row(**base, failure=str(error)), None
-    except Exception as error:  # noqa: BLE001  # a bug in one case must not lose the others' rows
-        return Row(**base, failure=f"{type(error).__name__}: {error}"), None
-    return Row(**base, **values), labels
+        return CaseResult(**subject, failure=str(error)), None
+    except Exception as error:  # noqa: BLE001  # a bug in one case must not lose the others' results
+        return CaseResult(**subject, failure=f"{type(error).__name__}: {error}"), None
+    return CaseResult(**subject, **values), labels
 
 
 def _measure(
-    case: Case, shape: Shape, people: list[IntArray], report: Report
+    case: BenchmarkCase, shape: Shape, people: list[IntArray], report: Report
 ) -> tuple[dict[str, Any], IntArray | None]:
     if case.method == PEOPLE:
-        return _people(people), None
+        return {"rand_index_error": _error_between(people)}, None
     if case.method == KMEANS:
         labels = cluster(shape, round(statistics.median(len(np.unique(p)) for p in people)))
-        return {"rand_index_error": _against(labels, people)}, labels
+        return {"rand_index_error": _error_against(labels, people)}, labels
     assert case.recipe is not None  # everything else has one
     task = case.recipe.hierarchy()
-    named = _named(case, shape)
+    named = _named_parts(case, shape)
     if case.method == COSTS:
         return _costs(case, shape, task, named, people), None
     began = time.perf_counter()
@@ -174,12 +179,12 @@ def _measure(
     first = [task.first_leaf(name) for name in result.problem.labels]
     labels = np.array(first)[result.labels]
     values: dict[str, Any] = {
-        "rand_index_error": _against(labels, people),
+        "rand_index_error": _error_against(labels, people),
         "seconds": seconds,
         "cost": result.cost,
         "empty": len(result.evaluation.empty),
     }
-    if named is not None and named.names is not None and _comparable(case, shape, named):
+    if named is not None and named.names is not None and _comparable(case, shape, task, named):
         values["named_right"] = named_right(
             result.labels.astype(np.int64),
             result.problem.labels,
@@ -191,36 +196,36 @@ def _measure(
     return values, labels
 
 
-def _comparable(case: Case, shape: Shape, named: Labelling) -> bool:
+def _comparable(case: BenchmarkCase, shape: Shape, task: Hierarchy, named: Labelling) -> bool:
     """Whether the recipe has a label for everything that is named, so that names say something."""
-    assert case.recipe is not None  # only searches are asked
     try:
-        labels_of_names(shape, named, case.recipe.hierarchy().labels, case.naming)
+        labels_of_names(shape, named, task.labels, case.naming)
     except UsageError:
         return False
     return True
 
 
-def _named(case: Case, shape: Shape) -> Labelling | None:
+def _named_parts(case: BenchmarkCase, shape: Shape) -> Labelling | None:
     if case.model.names is None:
         return None
     return read_labels(case.model.names, shape.n_elements)
 
 
-def _against(labels: IntArray, people: list[IntArray]) -> float:
+def _error_against(labels: IntArray, people: list[IntArray]) -> float:
     """1 - Rand Index, mean over people."""
     return statistics.fmean(rand_index_error(labels, person) for person in people)
 
 
-def _people(people: list[IntArray]) -> dict[str, Any]:
+def _error_between(people: list[IntArray]) -> float:
+    """1 - Rand Index, mean over pairs of people."""
     pairs = list(itertools.combinations(people, 2))
     if not pairs:
         raise UsageError("one person alone has nobody to agree with")
-    return {"rand_index_error": statistics.fmean(rand_index_error(a, b) for a, b in pairs)}
+    return statistics.fmean(rand_index_error(a, b) for a, b in pairs)
 
 
 def cluster(shape: Shape, n: int) -> IntArray:
-    """K-means clusters of the elements' places, each counting alike.
+    """K-means clusters of the elements' centroids, each counting alike.
 
     Parameters
     ----------
@@ -237,12 +242,12 @@ def cluster(shape: Shape, n: int) -> IntArray:
     with warnings.catch_warnings():
         # An empty cluster, which the benchmark's measures do not mind.
         warnings.simplefilter("ignore", UserWarning)
-        found = kmeans2(shape.unit_points, n, minit="++", iter=50, rng=np.random.default_rng(0))
-    return np.asarray(found[1], np.int64)
+        _, labels = kmeans2(shape.unit_points, n, minit="++", iter=50, rng=np.random.default_rng(0))
+    return np.asarray(labels, np.int64)
 
 
 def _costs(
-    case: Case,
+    case: BenchmarkCase,
     shape: Shape,
     task: Hierarchy,
     named: Labelling | None,
@@ -252,19 +257,18 @@ def _costs(
     if named is None:
         raise UsageError("there are no named parts, which the recipe's labels could be given to")
     labels = labels_of_names(shape, named, task.labels, case.naming)
-    whole = task.evaluate(shape, labels)
+    of_names = task.evaluate(shape, labels)
     costs, incomplete = [], 0
     for person in people:
-        own = labels_by_overlap(person, labels, shape.areas)
-        evaluation = task.evaluate(shape, own)
-        if evaluation.empty:
+        of_person = task.evaluate(shape, labels_by_overlap(person, labels, shape.areas))
+        if of_person.empty:
             incomplete += 1
         else:
-            costs.append(evaluation.cost.value)
-    missing = ", ".join(whole.empty)
+            costs.append(of_person.cost.value)
+    missing = ", ".join(of_names.empty)
     return {
-        "cost": whole.cost.value,
-        "empty": len(whole.empty),
+        "cost": of_names.cost.value,
+        "empty": len(of_names.empty),
         "people": tuple(costs),
         "incomplete": incomplete,
         "failure": f"the named parts leave {missing} without one" if missing else "",

@@ -16,12 +16,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+import numpy.typing as npt
 
+from moseg_core import Labelling, Shape, UsageError, unknown
 from moseg_core.agreement import fold
-from moseg_core.errors import UsageError, unknown
-from moseg_core.io import Labelling
-from moseg_core.shape.shape import Shape
-from moseg_core.types import FloatArray, IntArray
+
+FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -67,21 +68,20 @@ def labels_of_names(
     """
     names = named.names or ()
     kinds = [fold(label) for label in labels]
-    found = np.full(shape.n_elements, -1, np.int64)
-    used = {names[k] for k in np.unique(named.labels)}
-    wanted: dict[str, list[str]] = {}
-    for name in sorted(used):
+    names_of_kind: dict[str, list[str]] = {}
+    for name in sorted({names[k] for k in np.unique(named.labels)}):
         kind = naming.merge.get(name, fold(name))
         if kind not in kinds:
             problem = unknown("label", kind, sorted(set(kinds)))
             raise UsageError(f"the recipe has no label for '{name}': {problem}")
-        wanted.setdefault(kind, []).append(name)
-    for kind, group in wanted.items():
+        names_of_kind.setdefault(kind, []).append(name)
+    matched = np.full(shape.n_elements, -1, np.int64)
+    for kind, group in names_of_kind.items():
         numbers = [k for k, name in enumerate(names) if name in group]
         elements = np.flatnonzero(np.isin(named.labels, numbers))
         instances = [k for k, other in enumerate(kinds) if other == kind]
-        found[elements] = np.array(instances)[_pieces(shape, elements, len(instances))]
-    return found
+        matched[elements] = np.array(instances)[_pieces(shape, elements, len(instances))]
+    return matched
 
 
 def _pieces(shape: Shape, elements: IntArray, n: int) -> IntArray:
@@ -97,10 +97,9 @@ def _pieces(shape: Shape, elements: IntArray, n: int) -> IntArray:
         ],
         axis=1,
     )
-    order = np.argsort(-areas, kind="stable")
-    main = order[:n]
-    apart = np.linalg.norm(centers[:, None] - centers[main], axis=2)
-    nearest: IntArray = apart.argmin(axis=1)
+    main = np.argsort(-areas, kind="stable")[:n]
+    distances = np.linalg.norm(centers[:, None] - centers[main], axis=2)
+    nearest: IntArray = distances.argmin(axis=1)
     nearest[main] = np.arange(len(main))
     return nearest[component]
 
@@ -128,5 +127,5 @@ def labels_by_overlap(parts: IntArray, labels: IntArray, areas: FloatArray) -> I
     _, part = np.unique(parts, return_inverse=True)
     overlap = np.zeros((int(part.max()) + 1, int(labels.max()) + 1))
     np.add.at(overlap, (part, labels), areas)
-    found: IntArray = overlap.argmax(axis=1)[part]
-    return found
+    labels_of_parts: IntArray = overlap.argmax(axis=1)
+    return labels_of_parts[part]

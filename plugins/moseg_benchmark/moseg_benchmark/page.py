@@ -13,12 +13,10 @@ from urllib.parse import quote
 
 import numpy as np
 
-from moseg_core.bench.cases import Case, Row
-from moseg_core.bench.tables import Printed
-from moseg_core.components.protocols import Report
-from moseg_core.io import load, read_labels, write_file
-from moseg_core.types import IntArray
-from moseg_core.view.picture import render_picture
+from moseg_benchmark.cases import BenchmarkCase, CaseResult
+from moseg_benchmark.label_matching import IntArray
+from moseg_benchmark.tables import Table
+from moseg_core import load, read_labels, render_picture, write_file
 
 _SIZE = (700, 350)
 _STYLE = """
@@ -32,21 +30,17 @@ img { width: 33%; min-width: 20em }
 """
 
 
-def draw_case(
-    case: Case, labels: IntArray, folder: Path, *, report: Report | None = None
-) -> list[str]:
+def draw_case(case: BenchmarkCase, labels: IntArray, folder: Path) -> list[str]:
     """Draw a result and the first two people's segmentations of its model.
 
     Parameters
     ----------
-    case : Case
+    case : BenchmarkCase
         A search.
     labels : (F,) int
         What it found.
     folder : Path
         Where the pictures go; those of people that are there already stay.
-    report : callable, optional
-        Not used: a picture is quick.
 
     Returns
     -------
@@ -55,12 +49,11 @@ def draw_case(
     """
     assert case.recipe is not None  # a search has one
     shape = load(case.model.mesh)
-    own = f"{case.key}.png"
     title = f"{case.model.number}, {case.recipe.name}, {case.method}, seed {case.seed}"
     leaves = case.recipe.hierarchy().labels
     picture = render_picture(shape.geometry, labels, leaves, title=title, size=_SIZE)
-    write_file(folder / own, picture)
-    names = [own]
+    names = [f"{case.key}.png"]
+    write_file(folder / names[0], picture)
     for k, path in enumerate(case.model.people[:2]):
         name = f"{case.model.number}-person-{k + 1}.png"
         if not (folder / name).exists():
@@ -77,10 +70,10 @@ def write_page(
     path: Path,
     *,
     title: str,
-    tables: Sequence[Printed],
+    tables: Sequence[Table],
     failed: Sequence[str],
-    rows: Sequence[Row],
-    pictures: Mapping[Row, Sequence[str]],
+    results: Sequence[CaseResult],
+    pictures: Mapping[CaseResult, Sequence[str]],
 ) -> None:
     """Write the page.
 
@@ -88,13 +81,13 @@ def write_page(
     ----------
     path : Path
     title : str
-    tables : sequence of Printed
+    tables : sequence of Table
     failed : sequence of str
         Lines about cases that failed.
-    rows : sequence of Row
+    results : sequence of CaseResult
         In any order.
-    pictures : mapping of Row to sequence of str
-        For the rows to show, paths relative to the page.
+    pictures : mapping of CaseResult to sequence of str
+        For the results to show, paths relative to the page.
     """
     lines = [
         "<!doctype html>",
@@ -107,16 +100,17 @@ def write_page(
         lines.append("</table>")
     if failed:
         lines += ["<h2>Failed</h2><ul>", *(f"<li>{html.escape(line)}" for line in failed), "</ul>"]
-    shown = [row for row in rows if row in pictures]
+    shown = [result for result in results if result in pictures]
     if shown:
         lines.append("<h2>Results beside two people's segmentations, worst first</h2>")
-    for row in sorted(shown, key=lambda row: -(row.rand_index_error or 0.0)):
-        words = f"{row.category} {row.model}, {row.recipe}, {row.method}, seed {row.seed}"
-        words += f": 1-RI {row.rand_index_error:.3f}, cost {row.cost:.4g}"
-        if row.named_right is not None:
-            words += f", named right {row.named_right:.1%}"
+    for result in sorted(shown, key=lambda result: -(result.rand_index_error or 0.0)):
+        words = f"{result.category} {result.model}, {result.recipe}, {result.method}"
+        words += f", seed {result.seed}: 1-RI {result.rand_index_error:.3f}"
+        words += f", cost {result.cost:.4g}"
+        if result.named_right is not None:
+            words += f", named right {result.named_right:.1%}"
         lines.append(f"<figure><figcaption>{html.escape(words)}</figcaption><div>")
-        lines += [f'<img src="{quote(name)}" alt="">' for name in pictures[row]]
+        lines += [f'<img src="{quote(name)}" alt="">' for name in pictures[result]]
         lines.append("</div></figure>")
     write_file(path, "\n".join([*lines, "</html>", ""]).encode())
 

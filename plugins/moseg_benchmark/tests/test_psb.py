@@ -1,9 +1,9 @@
 """Models found in a folder."""
 
 import pytest
+from moseg_benchmark.psb import CATEGORIES, category_of, check_category, find_models
 
-from moseg_core.bench.psb import CATEGORIES, category_of, check_category, find_models
-from moseg_core.errors import UsageError
+from moseg_core import UsageError
 
 
 def test_categories_are_blocks_of_twenty_ids():

@@ -20,8 +20,8 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
-from moseg_core.bench.names import Naming
-from moseg_core.errors import UsageError, unknown
+from moseg_benchmark.label_matching import Naming
+from moseg_core import UsageError, unknown
 
 # Ids come in blocks of 20. The 14th block of the collection that the meshes are from has no
 # people's segmentations.
@@ -125,7 +125,7 @@ def find_models(data: Path, categories: tuple[str, ...] = ()) -> list[Model]:
     people = data / "seg"
     if (people / "Benchmark").is_dir():
         people /= "Benchmark"
-    found = []
+    models = []
     for mesh in (data / "off").glob("*.off"):
         if not mesh.stem.isdecimal() or not (category := category_of(int(mesh.stem))):
             continue
@@ -138,7 +138,7 @@ def find_models(data: Path, categories: tuple[str, ...] = ()) -> list[Model]:
             if (match := pattern.fullmatch(path.name))
         }
         names = data / "labels" / f"{mesh.stem}_labels.txt"
-        found.append(
+        models.append(
             Model(
                 number=int(mesh.stem),
                 category=category,
@@ -147,7 +147,7 @@ def find_models(data: Path, categories: tuple[str, ...] = ()) -> list[Model]:
                 names=names if names.is_file() else None,
             )
         )
-    if not found:
+    if not models:
         among = f" of {', '.join(categories)}" if categories else ""
         raise UsageError(f"there are no models{among} in '{data / 'off'}'")
-    return sorted(found, key=lambda model: model.number)
+    return sorted(models, key=lambda model: model.number)

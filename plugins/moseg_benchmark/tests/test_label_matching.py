@@ -2,11 +2,9 @@
 
 import numpy as np
 import pytest
+from moseg_benchmark.label_matching import Naming, labels_by_overlap, labels_of_names
 
-from moseg_core import Shape
-from moseg_core.bench.names import Naming, labels_by_overlap, labels_of_names
-from moseg_core.errors import UsageError
-from moseg_core.io import Labelling
+from moseg_core import Labelling, Shape, UsageError
 
 # A strip of six squares in a row.
 STRIP = Shape.from_mesh(

@@ -4,28 +4,17 @@ from __future__ import annotations
 
 import json
 import shutil
-from dataclasses import replace
 from itertools import combinations
 from statistics import fmean
 
 import numpy as np
 import pytest
+from moseg_benchmark.cases import run_case
+from moseg_benchmark.psb import find_models
 
+from moseg_core import Problem, load, read_labels
 from moseg_core.agreement import rand_index_error
-from moseg_core.bench import cases
-from moseg_core.bench.cases import Case, cluster, run_case
-from moseg_core.bench.names import Naming
-from moseg_core.bench.page import draw_case
-from moseg_core.bench.psb import find_models
 from moseg_core.cli import main
-from moseg_core.cli.benchmark import read_recipes, read_seeds
-from moseg_core.errors import UsageError
-from moseg_core.io import load, read_labels
-from moseg_core.problem.recipe import load_recipe
-
-
-def silent(progress):
-    return False
 
 
 def call(capsys, *words):
@@ -34,7 +23,7 @@ def call(capsys, *words):
     return end.value.code, *capsys.readouterr()
 
 
-def wanted(psb, out, *more):
+def words_for(psb, out, *more):
     recipe = psb / "capsule.toml"
     return (
         *("--data", psb, "--recipe-for", f"Cup={recipe}", "--recipe-for", f"fourleg={recipe}"),
@@ -46,7 +35,7 @@ def wanted(psb, out, *more):
 def report(psb, tmp_path_factory):
     out = tmp_path_factory.mktemp("report") / "new"
     with pytest.raises(SystemExit) as end:
-        main(["benchmark", "psb", *map(str, wanted(psb, out, "--workers", "2", "--quiet"))])
+        main(["benchmark", "psb", *map(str, words_for(psb, out, "--workers", "2", "--quiet"))])
     assert end.value.code == 0
     return out
 
@@ -93,12 +82,9 @@ def test_a_case_that_fails_is_a_row_with_its_reason(rows):
     assert {row["failure"] for row in failed} == {"there are no segmentations by people"}
 
 
-def test_the_named_parts_cost_what_they_cost(rows, psb):
-    from moseg_core import Problem
-
+def test_the_named_parts_cost_what_they_cost(rows, psb, recipe):
     model = find_models(psb)[1]
     shape = load(model.mesh)
-    recipe = load_recipe(str(psb / "capsule.toml"))
     problem = Problem(recipe.labels, recipe.minimize)
     truth = read_labels(model.people[0], shape.n_elements).labels  # thirds
     row = next(r for r in rows if (r["model"], r["method"]) == (25, "costs"))
@@ -126,18 +112,16 @@ def test_the_page_shows_the_worst_first(report, rows):
 
 def test_resuming_takes_over_what_was_asked_in_the_same_way(report, rows, psb, capsys, monkeypatch):
     measured = []
-    real = cases.run_case
 
     def count(case, *, report):
         measured.append(case.key)
-        return real(case, report=report)
+        return run_case(case, report=report)
 
-    monkeypatch.setattr("moseg_core.bench.run.run_case", count)
+    monkeypatch.setattr("moseg_benchmark.run.run_case", count)
     (report / "cases" / "25-capsule-paper-0.seg").unlink()
-    code, out, _ = call(capsys, *wanted(psb, report, "--workers", "1", "--resume"))
+    code, out, _ = call(capsys, *words_for(psb, report, "--workers", "1", "--resume"))
     assert code == 0
-    again = ["25-capsule-paper-0"]
-    assert [key for key in measured if not key.startswith("381")] == again
+    assert [key for key in measured if not key.startswith("381")] == ["25-capsule-paper-0"]
     assert "Cup" in out
     assert "recipe" in out or "search" in out
     fresh = json.loads((report / "report.json").read_text())["rows"]
@@ -146,79 +130,6 @@ def test_resuming_takes_over_what_was_asked_in_the_same_way(report, rows, psb, c
         return [{**row, "seconds": None} for row in all_rows]
 
     assert timeless(fresh) == timeless(rows)
-
-
-def test_a_bug_in_a_case_is_its_reason(psb, monkeypatch):
-    def broken(case, shape, people, report):
-        raise ZeroDivisionError("by nothing")
-
-    monkeypatch.setattr(cases, "_measure", broken)
-    row, labels = run_case(Case(model=find_models(psb)[0], method="people"), report=silent)
-    assert row.failure == "ZeroDivisionError: by nothing"
-    assert labels is None
-
-
-def test_clusters_are_the_same_in_every_run(psb):
-    shape = load(find_models(psb)[0].mesh)
-    first = cluster(shape, 4)
-    assert sorted(set(first.tolist())) == [0, 1, 2, 3]
-    assert (cluster(shape, 4) == first).all()
-
-
-def test_a_model_without_names_has_no_costs(psb):
-    model = find_models(psb)[0]
-    nameless = type(model)(**{**vars(model), "names": None})
-    recipe = load_recipe(str(psb / "capsule.toml"))
-    case = Case(model=nameless, method="costs", recipe=recipe, naming=Naming())
-    row, _ = run_case(case, report=silent)
-    assert row.failure.startswith("there are no named parts")
-
-
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        (("--category", "Fourlegs"), "unknown category 'Fourlegs'; did you mean 'Fourleg'"),
-        (("--recipe-for", "Cup"), "write --recipe-for Fourleg=horse"),
-        (("--recipe-for", "Cup=hamer"), "did you mean"),
-        (("--recipe-for", "Cup=hammer", "--recipe-for", "cup=horse"), "two recipes for Cup"),
-        (("--category", "Ant", "--recipe-for", "Cup=hammer"), "asks for Ant only"),
-        (("--settings", "papers"), "unknown settings 'papers'; did you mean 'paper'"),
-        (("--seeds", "2-0"), "the seeds '2-0' are not understood; write 0-2"),
-        (("--workers", "0"), "at least one worker"),
-    ],
-)
-def test_malformed_requests_are_refused_before_any_work(psb, tmp_path, capsys, words, message):
-    code, _, err = call(capsys, "--data", psb, "-o", tmp_path / "r", *words)
-    assert code == 2
-    assert message in err
-    assert not (tmp_path / "r").exists()
-
-
-def test_folders_are_checked(psb, tmp_path, capsys):
-    code, _, err = call(capsys, "--data", psb, "-o", tmp_path / "no" / "r")
-    assert code == 2
-    assert "there is no folder" in err
-    code, _, err = call(capsys, "--data", tmp_path, "-o", tmp_path / "r")
-    assert code == 2
-    assert "does not hold the benchmark" in err
-
-
-def test_seeds_and_recipes_are_read():
-    assert read_seeds("3,0-1,1") == [3, 0, 1]
-    assert read_recipes(["fourleg=horse"])["Fourleg"].name == "horse"
-    with pytest.raises(UsageError, match="write 0-2 or 0,5,7"):
-        read_seeds("all")
-
-
-def test_names_that_do_not_match_are_not_scored(psb):
-    recipe = load_recipe(str(psb / "capsule.toml"))
-    stated = replace(recipe.statement, labels=("up", "down"), minimize="narrow(up)")
-    strange = replace(recipe, name="strange", statement=stated)
-    row, _ = run_case(
-        Case(model=find_models(psb)[0], method="paper", recipe=strange), report=silent
-    )
-    assert row.rand_index_error is not None
-    assert row.named_right is None
 
 
 def test_damaged_and_outdated_cases_are_measured_again(psb, tmp_path):
@@ -247,23 +158,3 @@ def test_damaged_and_outdated_cases_are_measured_again(psb, tmp_path):
     changed = rows()
     assert changed[0]["rand_index_error"] != first[0]["rand_index_error"]
     assert picture.read_bytes() != before
-
-
-def test_a_recipe_of_several_levels(psb, tmp_path):
-    few = 'optimizer = "pattern_search(max_evaluations=5)"\n'
-    many = ", ".join(f'"m{k}"' for k in range(400))
-    path = tmp_path / "levels.toml"
-    path.write_text(
-        f'labels = ["one", "two"]\nminimize = "narrow(one)"\n{few}'
-        f'[parts.one]\nlabels = [{many}]\nminimize = "narrow(m*)"\n{few}'
-        f'[parts.two]\nlabels = ["a", "b"]\nminimize = "narrow(a)"\n{few}'
-    )
-    recipe = load_recipe(str(path))
-    case = Case(model=find_models(psb)[0], method="default", recipe=recipe)
-    row, labels = run_case(case, report=silent)
-    assert row.failure == ""
-    # 'one' is left whole: it has fewer faces than labels. Its first leaf stands for it.
-    leaves = recipe.hierarchy().labels
-    assert {leaves[k] for k in np.unique(labels)} == {"one/m0", "two/a", "two/b"}
-    (picture,) = draw_case(case, labels, tmp_path)[:1]
-    assert (tmp_path / picture).read_bytes().startswith(b"\x89PNG")

@@ -1,0 +1,128 @@
+"""Cases on disk: what was asked, what came out, and the labels found.
+
+A search takes minutes, so a later run takes over the results of an earlier one. A number means
+something only beside all that it depends on: the model's files, what the recipe says, how names
+were matched, and the versions of whatever had a part in it. All of that is written beside the
+result (:func:`asked_of`), and a result is taken over only where all of it is the same.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+import json
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+from moseg_benchmark.cases import BenchmarkCase, CaseResult
+from moseg_benchmark.label_matching import IntArray
+from moseg_benchmark.psb import Model
+from moseg_core import MosegError, __version__, read_labels, save_labels, write_file
+
+
+def asked_of(case: BenchmarkCase) -> dict[str, Any]:
+    """All that the result of a case depends on, but for what its key says.
+
+    Parameters
+    ----------
+    case : BenchmarkCase
+
+    Returns
+    -------
+    dict
+        Plain data, equal for two cases exactly if they ask for the same: ``model``, a digest of
+        its files; ``naming``; ``statement``, the recipe's, or None without one; ``versions`` of moseg, of this bundle, and for each component that the recipe uses the
+        distribution that it comes in.
+
+    Raises
+    ------
+    UsageError, PluginError
+        The recipe uses something that is not installed.
+    """
+    versions = {"moseg": __version__, "moseg-benchmark": metadata.version("moseg-benchmark")}
+    if case.recipe is not None:
+        versions |= case.recipe.hierarchy().versions
+    return {
+        "model": _digest(case.model),
+        "naming": dataclasses.asdict(case.naming),
+        "statement": None if case.recipe is None else case.recipe.statement.document(),
+        "versions": versions,
+    }
+
+
+def _digest(model: Model) -> str:
+    """Hexadecimal digest of all files of a model."""
+    digest = hashlib.sha256()
+    for path in (model.mesh, *model.people, *([model.names] if model.names else [])):
+        digest.update(hashlib.sha256(path.read_bytes()).digest())
+    return digest.hexdigest()[:16]
+
+
+@dataclasses.dataclass(frozen=True)
+class Records:
+    """A folder with a ``.json`` file for each case, and a ``.seg`` file where there are labels.
+
+    Parameters
+    ----------
+    folder : Path
+    """
+
+    folder: Path
+
+    def write(self, case: BenchmarkCase, result: CaseResult, labels: IntArray | None) -> None:
+        """Keep what a case came to.
+
+        Raises
+        ------
+        MosegError
+            The disk is full, or the folder not writable.
+        """
+        if labels is not None:
+            save_labels(labels, self._labels_path(case))
+        record = {
+            "asked": asked_of(case),
+            "elements": 0 if labels is None else len(labels),
+            "row": dataclasses.asdict(result),
+        }
+        write_file(self._record_path(case), (json.dumps(record, indent=1) + "\n").encode())
+
+    def result(self, case: BenchmarkCase) -> CaseResult | None:
+        """What an equal case came to in an earlier run.
+
+        Parameters
+        ----------
+        case : BenchmarkCase
+
+        Returns
+        -------
+        CaseResult or None
+            None where there is no result without a failure, the files are damaged, or anything
+            that was asked was something else (:func:`asked_of`).
+        """
+        try:
+            record = json.loads(self._record_path(case).read_bytes())
+            asked, result = record["asked"], CaseResult.read(record["row"])
+            whole = not case.searches or self._count(case) == record["elements"]
+        except (OSError, ValueError, KeyError, TypeError):  # none, cut short or changed by hand
+            return None
+        if not whole or (result.failure and result.cost is None):
+            return None
+        return result if asked == asked_of(case) else None
+
+    def labels(self, case: BenchmarkCase) -> IntArray | None:
+        """The labels that a case found; None where their file is missing or damaged."""
+        try:
+            return read_labels(self._labels_path(case), self._count(case)).labels
+        except (MosegError, OSError):
+            return None
+
+    def _count(self, case: BenchmarkCase) -> int:
+        """How many elements the file of labels has."""
+        return self._labels_path(case).read_bytes().count(b"\n")
+
+    def _record_path(self, case: BenchmarkCase) -> Path:
+        return self.folder / f"{case.key}.json"
+
+    def _labels_path(self, case: BenchmarkCase) -> Path:
+        return self.folder / f"{case.key}.seg"

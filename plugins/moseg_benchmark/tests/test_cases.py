@@ -1,0 +1,84 @@
+"""One case at a time: what it measures, and what becomes of one that fails."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from moseg_benchmark import cases
+from moseg_benchmark.cases import BenchmarkCase, CaseResult, cluster, run_case
+from moseg_benchmark.psb import find_models
+
+from moseg_core import load, load_recipe
+
+
+def silent(progress):
+    return False
+
+
+@pytest.fixture(scope="module")
+def models(psb):
+    return find_models(psb)
+
+
+def test_a_bug_in_a_case_is_its_reason(models, monkeypatch):
+    def broken(case, shape, people, report):
+        raise ZeroDivisionError("by nothing")
+
+    monkeypatch.setattr(cases, "_measure", broken)
+    result, labels = run_case(BenchmarkCase(model=models[0], method="people"), report=silent)
+    assert result.failure == "ZeroDivisionError: by nothing"
+    assert labels is None
+
+
+def test_one_person_alone_agrees_with_nobody(models):
+    model = replace(models[0], people=models[0].people[:1])
+    result, _ = run_case(BenchmarkCase(model=model, method="people"), report=silent)
+    assert result.failure == "one person alone has nobody to agree with"
+
+
+def test_clusters_are_the_same_in_every_run(models):
+    shape = load(models[0].mesh)
+    first = cluster(shape, 4)
+    assert sorted(set(first.tolist())) == [0, 1, 2, 3]
+    assert (cluster(shape, 4) == first).all()
+
+
+def test_a_model_without_names_has_no_costs(models, recipe):
+    nameless = replace(models[0], names=None)
+    case = BenchmarkCase(model=nameless, method="costs", recipe=recipe)
+    result, _ = run_case(case, report=silent)
+    assert result.failure.startswith("there are no named parts")
+
+
+def test_names_that_do_not_match_are_not_scored(models, recipe):
+    statement = replace(recipe.statement, labels=("up", "down"), minimize="narrow(up)")
+    strange = replace(recipe, name="strange", statement=statement)
+    case = BenchmarkCase(model=models[0], method="paper", recipe=strange)
+    result, _ = run_case(case, report=silent)
+    assert result.rand_index_error is not None
+    assert result.named_right is None
+
+
+def test_a_part_that_was_left_whole_counts_as_its_first_leaf(models, tmp_path):
+    few = 'optimizer = "pattern_search(max_evaluations=5)"\n'
+    many = ", ".join(f'"m{k}"' for k in range(400))
+    path = tmp_path / "levels.toml"
+    path.write_text(
+        f'labels = ["one", "two"]\nminimize = "narrow(one)"\n{few}'
+        f'[parts.one]\nlabels = [{many}]\nminimize = "narrow(m*)"\n{few}'
+        f'[parts.two]\nlabels = ["a", "b"]\nminimize = "narrow(a)"\n{few}'
+    )
+    recipe = load_recipe(str(path))
+    case = BenchmarkCase(model=models[0], method="default", recipe=recipe)
+    result, labels = run_case(case, report=silent)
+    assert result.failure == ""
+    # 'one' has fewer faces than labels.
+    leaves = recipe.hierarchy().labels
+    assert {leaves[k] for k in np.unique(labels)} == {"one/m0", "two/a", "two/b"}
+
+
+def test_results_come_back_from_plain_data():
+    result = CaseResult(model=21, category="Cup", method="costs", people=(1.5, 2.0), incomplete=1)
+    assert CaseResult.read({**vars(result), "people": [1.5, 2.0]}) == result

@@ -1,0 +1,95 @@
+"""``moseg benchmark psb``: what its words mean, and what is refused before any work."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+
+import pytest
+from moseg_benchmark.command import read_recipes, read_seeds
+
+from moseg_core import UsageError
+from moseg_core.cli import main
+
+
+def call(capsys, *words):
+    with pytest.raises(SystemExit) as end:
+        main(["benchmark", *map(str, words)])
+    return end.value.code, *capsys.readouterr()
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("--category", "Fourlegs"), "unknown category 'Fourlegs'; did you mean 'Fourleg'"),
+        (("--recipe-for", "Cup"), "write --recipe-for Fourleg=horse"),
+        (("--recipe-for", "Cup=hamer"), "did you mean"),
+        (("--recipe-for", "Cup=hammer", "--recipe-for", "cup=horse"), "two recipes for Cup"),
+        (("--category", "Ant", "--recipe-for", "Cup=hammer"), "asks for Ant only"),
+        (("--settings", "papers"), "unknown settings 'papers'; did you mean 'paper'"),
+        (("--seeds", "2-0"), "the seeds '2-0' are not understood; write 0-2"),
+        (("--workers", "0"), "at least one worker"),
+    ],
+)
+def test_malformed_requests_are_refused_before_any_work(psb, tmp_path, capsys, words, message):
+    code, _, err = call(capsys, "psb", "--data", psb, "-o", tmp_path / "r", *words)
+    assert code == 2
+    assert message in err
+    assert not (tmp_path / "r").exists()
+
+
+def test_a_recipe_with_an_unknown_component_is_refused(psb, tmp_path, capsys):
+    recipe = tmp_path / "odd.toml"
+    recipe.write_text((psb / "capsule.toml").read_text() + 'seeder = "kmean"\n')
+    words = ("--recipe-for", f"Cup={recipe}", "-o", tmp_path / "r")
+    code, _, err = call(capsys, "psb", "--data", psb, *words)
+    assert code == 2
+    assert "unknown seeder 'kmean'; did you mean 'kmeans'" in err
+    assert not (tmp_path / "r").exists()
+
+
+def test_folders_are_checked(psb, tmp_path, capsys):
+    code, _, err = call(capsys, "psb", "--data", psb, "-o", tmp_path / "no" / "r")
+    assert code == 2
+    assert "there is no folder" in err
+    (tmp_path / "file").write_text("")
+    code, _, err = call(capsys, "psb", "--data", psb, "-o", tmp_path / "file")
+    assert code == 2
+    assert "is a file; the report needs a folder" in err
+    code, _, err = call(capsys, "psb", "--data", tmp_path, "-o", tmp_path / "r")
+    assert code == 2
+    assert "does not hold the benchmark" in err
+
+
+def test_seeds_and_recipes_are_read():
+    assert read_seeds("3,0-1,1") == [3, 0, 1]
+    assert read_recipes(["fourleg = horse"])["Fourleg"].name == "horse"
+    with pytest.raises(UsageError, match="write 0-2 or 0,5,7"):
+        read_seeds("all")
+
+
+def test_help_lists_collections_and_options(capsys):
+    code, out, _ = call(capsys, "--help")
+    assert code == 0
+    assert "psb" in out
+    code, out, _ = call(capsys, "psb", "--help")
+    assert code == 0
+    assert "--recipe-for" in out
+
+
+def test_an_unknown_collection_suggests(capsys):
+    code, _, err = call(capsys, "psbs")
+    assert code == 2
+    assert 'Did you mean "psb"' in err
+
+
+def test_asking_for_help_loads_no_numerical_library():
+    code = (
+        "import atexit, json, sys; atexit.register(lambda: print(json.dumps(sorted(sys.modules))));"
+        "from moseg_core.cli import main; main(['benchmark', 'psb', '--help'])"
+    )
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    loaded = {name.partition(".")[0] for name in json.loads(run.stdout.splitlines()[-1])}
+    assert "moseg_benchmark" in loaded
+    assert not loaded & {"numpy", "scipy", "igl", "numba", "trimesh", "PIL"}
