@@ -9,6 +9,9 @@ boundaries of the parts and needs the surface. :mod:`~moseg_core.agreement.names
 parts are called. :mod:`~moseg_core.agreement.compare` computes everything at once.
 
 All but the share named right are errors: 0 is best.
+
+This package is public, as :mod:`moseg_core` and :mod:`moseg_core.testing` are: bundles may import
+what it lists.
 """
 
 from moseg_core.agreement.compare import Agreement, compare

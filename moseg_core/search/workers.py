@@ -8,6 +8,9 @@ copy has the locks that other threads hold, and not the threads that would let g
 system cannot fork, or one process is asked for, everything is done in this one, one thing after the
 other.
 
+Anything else that is done many times can be shared among them likewise, such as the models of a
+collection; so :class:`Workers` is public. Tasks are functions that take ``report`` by keyword.
+
 What is computed does not depend on the number of processes. Reports go to the caller's function as
 ever, those of the first task that is still running; asked to stop, all are.
 """

@@ -32,7 +32,8 @@ def asked_of(case: BenchmarkCase) -> dict[str, Any]:
     -------
     dict
         Plain data, equal for two cases exactly if they ask for the same: ``model``, a digest of
-        its files; ``naming``; ``statement``, the recipe's, or None without one; ``versions`` of moseg, of this bundle, and for each component that the recipe uses the
+        its files; ``naming``; ``statement``, that of the recipe, or None without one;
+        ``versions`` of moseg, of this bundle, and for each component that the recipe uses the
         distribution that it comes in.
 
     Raises

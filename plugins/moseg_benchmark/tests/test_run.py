@@ -3,7 +3,12 @@
 from __future__ import annotations
 
 import json
+import os
+import re
 import shutil
+import signal
+import subprocess
+import sys
 from itertools import combinations
 from statistics import fmean
 
@@ -158,3 +163,60 @@ def test_damaged_and_outdated_cases_are_measured_again(psb, tmp_path):
     changed = rows()
     assert changed[0]["rand_index_error"] != first[0]["rand_index_error"]
     assert picture.read_bytes() != before
+
+
+CUPS = ("psb", "--category", "Cup", "--workers", "2")
+SHOWN = re.compile(r"^moseg: \[\d/4\] Cup (\d+) ([\w-]+)", re.MULTILINE)
+
+
+def test_a_lost_process_ends_the_run_and_what_was_done_is_kept(psb, tmp_path, capsys, monkeypatch):
+    def lost(case, *, report):
+        if case.key == "25-k-means-0":
+            os._exit(7)
+        return run_case(case, report=report)
+
+    monkeypatch.setattr("moseg_benchmark.run.run_case", lost)
+    words = (*CUPS[1:], "--data", psb, "--resume", "-o", tmp_path / "r")
+    code, _, err = call(capsys, *words)
+    assert code == 1
+    assert "a worker process ended early (exit code 7)" in err
+    done = set(SHOWN.findall(err))
+    assert len(done) >= 2  # of four, two are under way at most
+    monkeypatch.undo()
+    code, _, err = call(capsys, *words)
+    assert code == 0
+    measured = set(SHOWN.findall(err))
+    assert ("25", "k-means") in measured
+    assert not done & measured
+    rows = json.loads((tmp_path / "r" / "report.json").read_text())["rows"]
+    assert [bool(row["failure"]) for row in rows] == [False] * 4
+
+
+STUCK = """
+import sys, time
+from moseg_benchmark import run
+from moseg_core.cli import main
+
+measure = run.run_case
+
+def stuck(case, *, report):
+    if case.method == "k-means":
+        time.sleep(600)
+    return measure(case, report=report)
+
+run.run_case = stuck
+main(["benchmark", *sys.argv[1:]])
+"""
+
+
+def test_an_interrupted_run_ends_at_once_and_what_was_done_is_kept(psb, tmp_path):
+    words = (*CUPS, "--data", psb, "-o", tmp_path / "r")
+    command = [sys.executable, "-c", STUCK, *map(str, words)]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as run:
+        line = run.stderr.readline()
+        run.send_signal(signal.SIGINT)
+        _, rest = run.communicate(timeout=60)
+    assert run.returncode == 130
+    assert "people seed 0" in line
+    assert rest.endswith("moseg: interrupted\n")
+    assert (tmp_path / "r" / "cases" / "21-people-0.json").is_file()
