@@ -266,6 +266,11 @@ Report = Callable[[Progress], bool]
 """Called now and then while a run goes on; True asks to stop with the best found so far."""
 
 
+def never_stop(progress: Progress) -> bool:
+    """The report of who does not listen: it never asks to stop."""
+    return False
+
+
 @runtime_checkable
 class Seeder(Protocol):
     """An initial placement of the centres, all of weight 1 (Sec. 5)."""

@@ -27,7 +27,7 @@ import numpy.typing as npt
 from moseg_core.components.chosen import Choice
 from moseg_core.components.discovery.registry import Registry
 from moseg_core.components.discovery.specs import SeederSpec
-from moseg_core.components.protocols import Centers, Progress, Report
+from moseg_core.components.protocols import Centers, Progress, Report, never_stop
 from moseg_core.errors import MosegError, ShapeError, UsageError
 from moseg_core.problem.hierarchy import Hierarchy, combined
 from moseg_core.problem.problem import Problem
@@ -250,7 +250,7 @@ class _Descent:
         seconds = options.max_seconds
         return cls(
             options=options,
-            listener=Listener(report or _silent),
+            listener=Listener(report or never_stop),
             deadline=None if seconds is None else time.monotonic() + seconds,
             left=sum(1 for _ in hierarchy.levels()),
         )
@@ -439,8 +439,3 @@ def _located(report: Report, path: str) -> Report:
         return report(progress)
 
     return told
-
-
-def _silent(progress: Progress) -> bool:
-    """Report nothing, and go on."""
-    return False

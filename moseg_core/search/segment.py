@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from moseg_core.components.chosen import Choice, Ready, prepare
 from moseg_core.components.discovery.specs import Kind
-from moseg_core.components.protocols import Centers, Progress, Report
+from moseg_core.components.protocols import Centers, Report, never_stop
 from moseg_core.errors import MosegError, UsageError, unknown
 from moseg_core.problem.hierarchy import Hierarchy
 from moseg_core.problem.problem import ORIGINAL, Problem
@@ -188,7 +188,7 @@ def solve(
     whole = ProblemEvaluator(
         embedded, problem, make_partition(ready["parameterization"], embedded, n), pins=pinned
     )
-    listener = Listener(report or _silent)
+    listener = Listener(report or never_stop)
 
     coarse = searched_shape(embedded, settled.resolution, pinned)
     rough = whole
@@ -378,8 +378,3 @@ def prepare_components(problem: Problem, options: SettledOptions) -> dict[Kind, 
 def _versions(problem: Problem, ready: Mapping[Kind, Ready]) -> dict[str, str]:
     chosen = {r.component.id: r.component.distribution for r in ready.values()}
     return dict(sorted((problem.versions | chosen).items()))
-
-
-def _silent(progress: Progress) -> bool:
-    """Report nothing, and go on."""
-    return False

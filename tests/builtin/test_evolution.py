@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from moseg_core.builtin.evolution import Evolution, cross, mutate
 from moseg_core.builtin.voronoi import Voronoi
 from moseg_core.components.cost import Cost
-from moseg_core.components.protocols import Centers, Seeder
+from moseg_core.components.protocols import Centers, Seeder, never_stop
 from moseg_core.problem.problem import Problem
 from moseg_core.search.evaluator import ProblemEvaluator
 from moseg_core.shape.shape import Shape
@@ -26,10 +26,6 @@ TEXT = "2*narrow(stem) + compact(bar) - 0.5*flat(rest) + similar_proportions(ste
 def evaluator_of(shape: Shape = SHAPE, text: str = TEXT) -> ProblemEvaluator:
     problem = Problem(LABELS, text)
     return ProblemEvaluator(shape, problem, Voronoi(shape, len(LABELS)))
-
-
-def quiet(progress) -> bool:
-    return False
 
 
 def literal_fitness(person):
@@ -106,7 +102,7 @@ def literal_evolution(population, iterations, fraction, size, rng):
 @pytest.mark.parametrize("seed", range(4))
 def test_it_follows_the_literal_algorithm_step_by_step(seed):
     evolution = Evolution(population=10, iterations=6, crossover=0.7, tournament=3)
-    found = evolution(evaluator_of(), rng=np.random.default_rng(seed), report=quiet)
+    found = evolution(evaluator_of(), rng=np.random.default_rng(seed), report=never_stop)
     best, history = literal_evolution(10, 6, 0.7, 3, np.random.default_rng(seed))
     assert [record["best"] for record in found.history] == pytest.approx(
         [value for value, _ in history], rel=1e-12
@@ -120,7 +116,7 @@ def test_it_follows_the_literal_algorithm_step_by_step(seed):
 
 def test_the_best_never_gets_worse_and_is_what_its_centres_cost():
     evaluator = evaluator_of()
-    found = Evolution()(evaluator, rng=np.random.default_rng(0), report=quiet)
+    found = Evolution()(evaluator, rng=np.random.default_rng(0), report=never_stop)
     values = [(record["empty"], record["best"]) for record in found.history]
     assert len(values) == 20
     assert values == sorted(values, reverse=True)
@@ -141,7 +137,7 @@ def test_individuals_seen_before_are_not_evaluated_again():
 
     evaluator.labelled_costs = count
     found = Evolution(population=12, iterations=15)(
-        evaluator, rng=np.random.default_rng(1), report=quiet
+        evaluator, rng=np.random.default_rng(1), report=never_stop
     )
     assert len({tuple(vector) for vector in asked}) == len(asked) < 12 * 15
     assert found.history[-1]["evaluations"] == len(asked) == evaluator.evaluations
@@ -164,7 +160,7 @@ def test_it_stops_when_asked_with_the_best_so_far():
 def test_as_many_labels_as_elements_or_nearly(n_faces):
     shape = Shape.from_mesh(*shapes.strip(n_faces))
     found = Evolution(population=6, iterations=4)(
-        evaluator_of(shape), rng=np.random.default_rng(0), report=quiet
+        evaluator_of(shape), rng=np.random.default_rng(0), report=never_stop
     )
     assert len(np.unique(found.centers, axis=0)) == 3
 

@@ -11,13 +11,9 @@ from pathlib import Path
 
 import pytest
 
-from moseg_core.components.protocols import Progress
+from moseg_core.components.protocols import Progress, never_stop
 from moseg_core.errors import ExpressionError, MosegError, PluginError, UsageError
 from moseg_core.search.workers import Workers, available_workers
-
-
-def silent(progress):
-    return False
 
 
 def square(x, *, report):
@@ -33,7 +29,7 @@ def refuse(x, *, report):
 
 @pytest.mark.parametrize("count", [1, 2, 3])
 def test_results_come_in_order(count):
-    with Workers({"square": square}, count, silent) as workers:
+    with Workers({"square": square}, count, never_stop) as workers:
         assert workers.map("square", [(k,) for k in range(7)]) == [k * k for k in range(7)]
         assert workers.map("square", []) == []
         assert workers.map("square", [(9,), (8,)]) == [81, 64]
@@ -43,17 +39,17 @@ def test_work_is_done_elsewhere_but_by_one():
     def who(*, report):
         return os.getpid()
 
-    with Workers({"who": who}, 2, silent) as workers:
+    with Workers({"who": who}, 2, never_stop) as workers:
         assert os.getpid() not in workers.map("who", [(), ()])
         assert workers.map("who", [()]) == [os.getpid()]
-    with Workers({"who": who}, 1, silent) as workers:
+    with Workers({"who": who}, 1, never_stop) as workers:
         assert workers.map("who", [(), ()]) == [os.getpid()] * 2
 
 
 @pytest.mark.parametrize("count", [1, 2])
 def test_errors_are_raised_here(count):
     with (
-        Workers({"refuse": refuse}, count, silent) as workers,
+        Workers({"refuse": refuse}, count, never_stop) as workers,
         pytest.raises(UsageError, match="2 is not to my liking"),
     ):
         workers.map("refuse", [(k,) for k in range(4)])
@@ -64,7 +60,7 @@ def test_errors_that_cannot_be_packed_keep_their_words():
         raise ExpressionError("no such thing", "narow(a)", 0, 5)
 
     with (
-        Workers({"fail": fail}, 2, silent) as workers,
+        Workers({"fail": fail}, 2, never_stop) as workers,
         pytest.raises(MosegError, match="no such thing"),
     ):
         workers.map("fail", [(0,), (1,)])
@@ -75,7 +71,7 @@ def test_results_that_cannot_be_sent_are_the_components_fault():
         return lambda: k
 
     with (
-        Workers({"secret": secret}, 2, silent) as workers,
+        Workers({"secret": secret}, 2, never_stop) as workers,
         pytest.raises(PluginError, match=r"cannot be sent between processes .*use one worker"),
     ):
         workers.map("secret", [(0,), (1,)])
@@ -86,7 +82,7 @@ def test_a_process_that_dies_is_noticed():
         os.kill(os.getpid(), signal.SIGKILL)
 
     with (
-        Workers({"die": die}, 2, silent) as workers,
+        Workers({"die": die}, 2, never_stop) as workers,
         pytest.raises(MosegError, match=r"ended early \(signal 9\)"),
     ):
         workers.map("die", [(0,), (1,)])
@@ -129,7 +125,7 @@ def test_an_idle_process_that_dies_is_noticed_too():
     def who(*, report):
         return os.getpid()
 
-    with Workers({"who": who}, 2, silent) as workers:
+    with Workers({"who": who}, 2, never_stop) as workers:
         for process in set(workers.map("who", [()] * 4)):
             os.kill(process, signal.SIGKILL)
         time.sleep(0.2)
@@ -141,7 +137,7 @@ def test_processes_end_even_if_this_one_does_not_when_told_to():
     before = signal.signal(signal.SIGTERM, lambda number, frame: None)
     try:
         with (
-            Workers({"refuse": refuse}, 2, silent) as workers,
+            Workers({"refuse": refuse}, 2, never_stop) as workers,
             pytest.raises(UsageError, match="2 is not to my liking"),
         ):
             workers.map("refuse", [(2,), (3,)])
@@ -184,7 +180,7 @@ def test_enough_is_enough(count):
             time.sleep(0.001)
         return k
 
-    with Workers({"quick": quick}, count, silent) as workers:
+    with Workers({"quick": quick}, count, never_stop) as workers:
         found = workers.map("quick", [(k,) for k in range(6)], enough=lambda k, result: k == 0)
         assert found == list(range(count))
         assert workers.map("quick", [(2,), (3,)]) == [2, 3]  # only that was enough
