@@ -1,4 +1,4 @@
-"""``moseg plugin check``: the contract kit on an installed bundle, what failed first.
+"""``moseg plugin check``: the contract checks on an installed bundle, failures first.
 
 Nothing of the bundle is imported here; it runs in a process of its own
 (:mod:`moseg_core.testing.processes.watching_parent`).
@@ -20,7 +20,7 @@ from rich.text import Text
 from moseg_core.cli.console import console, print_json
 from moseg_core.errors import PluginError
 from moseg_core.testing import CHECKS
-from moseg_core.testing.processes.watching_parent import Announce, Report, watch_checks
+from moseg_core.testing.processes.watching_parent import Announce, BundleReport, watch_checks
 from moseg_core.testing.run import Outcome, Status, load_checks
 
 
@@ -42,7 +42,7 @@ def run_check(bundle: str, *, as_json: bool, timeout: float) -> None:
     failed = sum(found.status == "failed" for found in report.outcomes)
     if failed:
         raise PluginError(
-            f"bundle '{bundle}' of {report.distribution} does not keep the contract:"
+            f"bundle '{bundle}' of {report.distribution} does not pass the contract checks:"
             f" {_counted(failed, 'check')} failed"
         )
 
@@ -57,7 +57,7 @@ def _status() -> Iterator[Announce]:
         yield lambda done, count, which: shown.update(f"{done} of {count} done; {which}")
 
 
-def _print(report: Report, out: Console) -> None:
+def _print(report: BundleReport, out: Console) -> None:
     """Failures one by one, then everything else in short."""
     by_status = {
         status: [found for found in report.outcomes if found.status == status]
@@ -126,7 +126,7 @@ def _counted(count: int, noun: str) -> str:
     return f"{count} {noun}{'' if count == 1 else 's'}"
 
 
-def _document(report: Report) -> dict[str, Any]:
+def _document(report: BundleReport) -> dict[str, Any]:
     return {
         "bundle": report.bundle,
         "distribution": report.distribution,

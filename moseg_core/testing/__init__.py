@@ -1,4 +1,4 @@
-"""The contract kit: whether components keep what their kinds promise.
+"""The contract kit: checks of whether components keep what their kinds promise.
 
 For the authors of bundles, in one line of their tests (``pytest`` is theirs, not ours)::
 

@@ -1,13 +1,15 @@
 """What a check is: an id, a sentence of why, and a function that complains.
 
-Checks are plain functions of a :class:`Subject`, registered with :func:`check` in the modules
-beside this one, a module for each kind of component. They raise :class:`ContractFailure`, which
-says what was done, what came back, what was expected and how to mend it; everything else that a
-component raises under a check is reported as a failure of that check too.
+Checks are plain functions of a :class:`Subject`, registered with :func:`check` in the modules of
+:mod:`moseg_core.testing.checks`. Their docstrings say why the promise matters. They raise
+:class:`ContractFailure`, which says what was done, what came back, what was expected and how to
+mend it; everything else that a component raises under a check is reported as a failure of that
+check too.
 """
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -104,14 +106,14 @@ CHECKS: dict[str, Check] = {}
 
 
 def check(
-    id: str, *, kinds: Sequence[Kind], why: str, since: int = 1, gate: bool = False
+    id: str, *, kinds: Sequence[Kind], why: str = "", since: int = 1, gate: bool = False
 ) -> Callable[[Callable[[Subject], None]], Callable[[Subject], None]]:
     """Register a function as a check.
 
     Parameters
     ----------
     id, kinds, why, since, gate
-        See :class:`Check`.
+        See :class:`Check`. Where `why` is not given, the function's docstring says it.
 
     Returns
     -------
@@ -127,7 +129,20 @@ def check(
     def decorate(function: Callable[[Subject], None]) -> Callable[[Subject], None]:
         if id in CHECKS:
             raise ValueError(f"there are two checks with the id '{id}'")
-        CHECKS[id] = Check(id=id, kinds=tuple(kinds), since=since, why=why, run=function, gate=gate)
+        reason = why or _sentence(inspect.getdoc(function) or "")
+        CHECKS[id] = Check(
+            id=id, kinds=tuple(kinds), since=since, why=reason, run=function, gate=gate
+        )
         return function
 
     return decorate
+
+
+def _sentence(docstring: str) -> str:
+    """A docstring in one line, as it reads after a colon.
+
+    >>> _sentence("Shapes lie as they were scanned.")
+    'shapes lie as they were scanned'
+    """
+    words = " ".join(docstring.split()).rstrip(".")
+    return words[:1].lower() + words[1:]

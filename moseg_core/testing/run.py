@@ -86,21 +86,21 @@ class Case:
 
     def outcome(self) -> Outcome:
         """Run the check."""
-        said: dict[str, Any] = {"component": self.subject.component.id, "check": self.check.id}
+        ids: dict[str, Any] = {"component": self.subject.component.id, "check": self.check.id}
         if shut := _shut_gate(self.check, self.subject):
             reason = f"it fails '{shut}', without which this cannot be said"
-            return Outcome(**said, status="skipped", message=reason)
+            return Outcome(**ids, status="skipped", message=reason)
         try:
             failure, fix = _failure(self.check, self.subject)
         except Skip as reason:
-            return Outcome(**said, status="skipped", message=str(reason))
+            return Outcome(**ids, status="skipped", message=str(reason))
         if failure and self.expected:
-            return Outcome(**said, status="expected", message=f"{self.expected}: {failure}")
+            return Outcome(**ids, status="expected", message=f"{self.expected}: {failure}")
         if failure and self.check.since > self.contract:
-            return Outcome(**said, status="warned", message=failure, fix=fix)
+            return Outcome(**ids, status="warned", message=failure, fix=fix)
         if self.expected and not failure:
             failure = f"was expected to fail ({self.expected}) and passes; take it off the list"
-        return Outcome(**said, status="failed" if failure else "passed", message=failure, fix=fix)
+        return Outcome(**ids, status="failed" if failure else "passed", message=failure, fix=fix)
 
     def __call__(self) -> None:
         """Run the check, for use in a test.

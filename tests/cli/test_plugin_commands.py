@@ -9,7 +9,7 @@ import pytest
 from moseg_core.cli import plugin_check
 from moseg_core.components.discovery.registry import registry
 from moseg_core.testing import CHECKS, Check, Outcome
-from moseg_core.testing.processes.watching_parent import Report
+from moseg_core.testing.processes.watching_parent import BundleReport
 
 
 def test_new_writes_a_bundle_and_says_what_is_next(moseg, tmp_path, monkeypatch):
@@ -130,7 +130,8 @@ def outcomes(monkeypatch):
     ]
 
     def use(count: int) -> None:
-        report = Report(bundle="acme", distribution="moseg-acme 1.4", outcomes=tuple(found[:count]))
+        outcomes = tuple(found[:count])
+        report = BundleReport(bundle="acme", distribution="moseg-acme 1.4", outcomes=outcomes)
         monkeypatch.setattr(plugin_check, "watch_checks", lambda bundle, **_: report)
 
     return use
@@ -141,7 +142,7 @@ def test_check_shows_failures_first_and_ends_with_1(moseg, outcomes):
     run = moseg("plugin", "check", "acme")
     assert run.code == 1
     assert run.err == (
-        "moseg: bundle 'acme' of moseg-acme 1.4 does not keep the contract: 1 check failed\n"
+        "moseg: bundle 'acme' of moseg-acme 1.4 does not pass the contract checks: 1 check failed\n"
     )
     text = " ".join(run.out.split())
     assert text == (

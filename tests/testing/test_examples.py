@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import pytest
 
-from moseg_core.components.discovery.registry import Bundle, Component, Registry, registry
 from moseg_core.components.discovery.specs import SeederSpec
 from moseg_core.components.protocols import Seeding
-from moseg_core.testing import Subject, cases_of, run_cases
 from moseg_core.testing.check import Skip
-from moseg_core.testing.fixtures.problems import evaluator
+from moseg_core.testing.fixtures.problems import evaluator_on
+from moseg_core.testing.fixtures.shapes import lump
 from moseg_core.testing.fixtures.trial import values_for
+from tests.testing.outcomes import outcomes, subject
 
 HERE = "tests.testing.test_examples"
 
@@ -44,34 +44,30 @@ class From:
         return Seeding(centers=evaluator.shape.points[self.first - 1 : self.first - 1 + n])
 
 
-def subject(name):
-    component = Component("own", "own 1.0", SeederSpec(name="own", target=f"{HERE}:{name}"))
-    return Subject(component=component, registry=registry())
-
-
-def outcomes(name):
-    bundle = Bundle("own", "own", "1.0", "tests.testing.broken", (subject(name).component,))
-    return run_cases(cases_of("own", source=Registry([*registry().bundles, bundle])))
+def spec(name):
+    return SeederSpec(name="own", target=f"{HERE}:{name}")
 
 
 def test_a_text_that_nobody_can_guess_is_complained_of_once():
-    found = outcomes("Listed")
+    found = outcomes(spec("Listed"))
     failed = [outcome for outcome in found if outcome.status == "failed"]
     assert [outcome.check for outcome in failed] == ["default-construction"]
     assert "'places'" in failed[0].message
     assert "example()" in failed[0].fix
     assert "seeder-count" in {o.check for o in found if o.status == "skipped"}
     with pytest.raises(Skip, match="places"):
-        values_for(subject("Listed"), evaluator(2))
+        values_for(subject(spec("Listed")), evaluator_on(lump(), 2))
 
 
 @pytest.mark.parametrize("name", ["ListedByExample", "From"])
 def test_with_an_example_or_a_number_everything_is_checked(name):
-    found = outcomes(name)
+    found = outcomes(spec(name))
     assert [outcome for outcome in found if outcome.status == "failed"] == []
     assert "seeder-count" in {o.check for o in found if o.status == "passed"}
 
 
 def test_the_example_sees_what_the_component_will_meet():
-    assert values_for(subject("ListedByExample"), evaluator(3)) == {"places": "0 1 2"}
-    assert values_for(subject("From"), evaluator(3)) == {"first": 1}
+    assert values_for(subject(spec("ListedByExample")), evaluator_on(lump(), 3)) == {
+        "places": "0 1 2"
+    }
+    assert values_for(subject(spec("From")), evaluator_on(lump(), 3)) == {"first": 1}

@@ -4,22 +4,19 @@ from __future__ import annotations
 
 import pytest
 
-from moseg_core.components.discovery.registry import Bundle, Component, Registry, registry
+from moseg_core.components.discovery.registry import Bundle, Component, Registry
 from moseg_core.components.discovery.specs import MeasureSpec
 from moseg_core.errors import PluginError, UsageError
-from moseg_core.testing import CHECKS, Case, Check, ContractFailure, Subject, cases_of, check
+from moseg_core.testing import CHECKS, Case, Check, ContractFailure, cases_of, check
 from moseg_core.testing.check import Skip
+from tests.testing.outcomes import subject
 
 MEASURE = MeasureSpec(name="spread", target="tests.testing.broken.heavy:spread")
 
 
-def subject():
-    return Subject(component=Component("mine", "mine 1.0", MEASURE), registry=registry())
-
-
 def case(run, **options):
     made = Check(id="made-up", kinds=("measure",), since=2, why="It is made up.", run=run)
-    return Case(check=made, subject=subject(), contract=2, **options)
+    return Case(check=made, subject=subject(MEASURE), contract=2, **options)
 
 
 def complain(_):
@@ -46,11 +43,11 @@ def crash(_):
 def test_outcomes(run, status, message, fix):
     found = case(run).outcome()
     assert (found.status, found.message, found.fix) == (status, message, fix)
-    assert (found.component, found.check) == ("mine:spread", "made-up")
+    assert (found.component, found.check) == ("own:spread", "made-up")
 
 
 def test_a_failure_says_why_it_matters():
-    with pytest.raises(AssertionError, match=r"mine:spread made-up: it was run(.|\n)*made up\."):
+    with pytest.raises(AssertionError, match=r"own:spread made-up: it was run(.|\n)*made up\."):
         case(complain)()
 
 
@@ -63,7 +60,7 @@ def test_expected_failures_are_strict():
 
 def test_checks_newer_than_the_bundle_warn():
     made = Check(id="made-up", kinds=("measure",), since=3, why="It is made up.", run=complain)
-    old = Case(check=made, subject=subject(), contract=2)
+    old = Case(check=made, subject=subject(MEASURE), contract=2)
     assert old.outcome().status == "warned"
     with pytest.warns(FutureWarning, match="add 1"):
         old()
@@ -105,11 +102,6 @@ def test_checks_come_in_one_order_whatever_was_imported_first():
         found.append(done.stdout)
     assert found[0].startswith("['target-resolves'")
     assert found[0] == found[1] == found[2]
-
-
-def test_values_are_kept_once():
-    about = subject()
-    assert about.keep("a", lambda: 1) == about.keep("a", lambda: 2) == 1
 
 
 def test_unknown_bundles_and_checks_are_refused():

@@ -3,115 +3,64 @@
 What a constraint leaves free is all that the search sees, so it must find in there what seeders
 placed: `reduce` leads from any centres to the free numbers of feasible ones near to them,
 `expand` from the numbers to the centres. That the two undo each other is what these checks are
-about. Constraints are tried on a pebble that is its own mirror image in the plane ``x`` through
-its middle, of as few labels as they take.
+about. Constraints are tried on a lump that is its own mirror image in the plane ``x`` through its
+middle, of as few labels as they take.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from functools import partial
-from typing import Any
+from collections.abc import Iterator
+from itertools import islice
 
 import numpy as np
 
 from moseg_core.components.protocols import Constraint
-from moseg_core.shape.shape import Shape
 from moseg_core.testing.check import ContractFailure, Subject, check
-from moseg_core.testing.checks.parameterizations import within
-from moseg_core.testing.fixtures.problems import (
-    as_numbers,
-    even_pebble,
-    refused,
-    unlike,
-)
-from moseg_core.testing.fixtures.trial import declared, values_for
+from moseg_core.testing.fixtures import problems
+from moseg_core.testing.fixtures.comparison import as_numbers, expect_equal
+from moseg_core.testing.fixtures.shapes import twin
+from moseg_core.testing.fixtures.trial import Trial, declared
 from moseg_core.types import FloatArray
 
-_LABELS = 6
 _CLOSE = 1e-7
+_COUNT = 6
 
 
-def _made(subject: Subject) -> list[tuple[str, Constraint]]:
-    """The constraint on as few labels as it takes, the last first, and on one more if it can be.
-
-    One that takes a plane is given the plane ``x``, and once has to find it by itself.
-    """
-    shape, reason = even_pebble(), ""
-    found: list[tuple[str, Constraint]] = []
+def _made(subject: Subject) -> Iterator[tuple[str, Constraint]]:
+    """The constraint on some numbers of labels; the plane is given to it, and to be found."""
     planar = any(parameter.name == "plane" for parameter in declared(subject))
-    for count in range(1, _LABELS):
-        labels = tuple(range(count, 0, -1))
-        given = values_for(subject, shape, labels)
-        tried = [given]
-        if planar and "plane" not in given:
-            tried = [{**given, "plane": "x"}, *([] if found else [given])]
-        for values in tried:
-            made, no = refused(partial(_usable, subject.load(), shape, labels, values))
-            if made is not None:
-                found.append((_called(labels, values), made))
-            reason = reason or no
-        if len(found) > 2:
-            break
-    if not found:
-        raise ContractFailure(
-            did=f"it was to be made for 1 to {_LABELS - 1} labels of a symmetric shape",
-            got=f"a refusal each time, at first: {reason}",
-            expected="a constraint on some number of labels",
-            fix="write example(shape, labels), which returns parameters that make sense there",
-        )
-    return found
+    variants = ({"plane": "x"}, {}) if planar else ({},)
+    shape = subject.keep("twin", twin)  # planes that are found in it are remembered
+    return islice(problems.constraints_on(Trial(subject=subject), shape, *variants), 3)
 
 
-def _usable(
-    factory: Callable[..., Any], shape: Shape, labels: tuple[int, ...], values: Mapping[str, Any]
-) -> Constraint:
-    """The constraint; one made from a function refuses a number of labels when it is used."""
-    made: Constraint = factory(shape, labels, **values)
-    made.reduce(next(_centers()))
-    return made
+def _bounds(made: Constraint) -> tuple[FloatArray, FloatArray]:
+    return as_numbers(made.lower), as_numbers(made.upper)
 
 
-def _called(labels: tuple[int, ...], values: Mapping[str, Any]) -> str:
-    more = "".join(f", {name}={value}" for name, value in values.items())
-    return f"labels {', '.join(map(str, labels))} of {_LABELS}{more}"
-
-
-def _centers(count: int = 6) -> Iterator[FloatArray]:
-    """Rows as a seeder places them: in the unit box, of weights near 1."""
-    rng = np.random.default_rng(5)
-    for _ in range(count):
-        yield np.column_stack(
-            [rng.uniform(-0.4, 0.4, (_LABELS, 3)), rng.uniform(0.7, 1.4, _LABELS)]
-        )
-
-
-def _numbers(made: Constraint, count: int = 6) -> FloatArray:
-    """(count, k) float: free numbers within the bounds, none of them far away."""
-    lower, upper = as_numbers(made.lower), as_numbers(made.upper)
-    numbers = within(lower, upper, np.full(len(lower), 0.5), 3 * count)
-    near: FloatArray = numbers[np.arange(3 * count) % 3 != 2][:count]
+def _free(made: Constraint) -> FloatArray:
+    """(6, k) float: free numbers within the bounds, none of them far away."""
+    lower, upper = _bounds(made)
+    numbers = problems.within(lower, upper, np.full(len(lower), 0.5), 3 * _COUNT)
+    near: FloatArray = numbers[np.arange(3 * _COUNT) % 3 != 2][:_COUNT]
     return near
 
 
 def _expanded(made: Constraint, free: FloatArray, centers: FloatArray) -> FloatArray:
-    return as_numbers(made.expand(free, centers))
+    return as_numbers(made.expand(free, centers.copy()))
 
 
-def _rows(array: FloatArray, labels: tuple[int, ...]) -> FloatArray:
-    rows: FloatArray = array[list(labels)]
-    return rows
+def _reduced(made: Constraint, centers: FloatArray) -> tuple[FloatArray, FloatArray]:
+    free, rows = made.reduce(centers.copy())
+    return as_numbers(free), as_numbers(rows)
 
 
-@check(
-    "constraint-dimensions",
-    kinds=["constraint"],
-    why="the search has as many coordinates as a constraint says; all that it returns must fit",
-)
+@check("constraint-dimensions", kinds=["constraint"])
 def _dimensions(subject: Subject) -> None:
+    """The search has as many coordinates as a constraint says; all that it returns must fit."""
     for what, made in _made(subject):
         determines, reads = tuple(made.determines), tuple(made.reads)
-        legal = all(label in range(_LABELS) for label in (*determines, *reads))
+        legal = all(label in range(problems.N_CENTERS) for label in (*determines, *reads))
         if not determines or not legal or set(determines) & set(reads):
             raise ContractFailure(
                 did=f"'determines' and 'reads' were looked up for {what}",
@@ -119,7 +68,7 @@ def _dimensions(subject: Subject) -> None:
                 expected="labels that it was given, at least one determined, none of those read",
                 fix="use the numbers in the argument 'labels' as they are",
             )
-        lower, upper = as_numbers(made.lower), as_numbers(made.upper)
+        lower, upper = _bounds(made)
         if lower.ndim != 1 or lower.shape != upper.shape or not (lower <= upper).all():
             raise ContractFailure(
                 did=f"'lower' and 'upper' were looked up for {what}",
@@ -127,31 +76,27 @@ def _dimensions(subject: Subject) -> None:
                 expected="one number each per free number, lower never above upper",
                 fix="use -inf and inf where a number is unbounded, and empty arrays for none",
             )
-        for centers in _centers(2):
-            free, rows = made.reduce(centers.copy())
-            whole = _expanded(made, _numbers(made, 1)[0], centers.copy())
-            shapes = as_numbers(free).shape, as_numbers(rows).shape, whole.shape
-            if shapes != (lower.shape, centers.shape, centers.shape):
+        for centers in problems.rows_of_centers(2):
+            free, rows = _reduced(made, centers)
+            whole = _expanded(made, _free(made)[0], centers)
+            if (free.shape, rows.shape, whole.shape) != (lower.shape, *[centers.shape] * 2):
                 raise ContractFailure(
                     did=f"reduce() and expand() were called for {what}",
-                    got=f"{shapes[0]} free numbers and centres of shape {shapes[1]}, then centres"
-                    f" of shape {shapes[2]}",
+                    got=f"{free.shape} free numbers and centres of shape {rows.shape}, then"
+                    f" centres of shape {whole.shape}",
                     expected=f"{lower.shape} free numbers, as 'lower' says, and all centres,"
                     f" {centers.shape}",
                     fix="return the rows of all labels, those of others unchanged",
                 )
 
 
-@check(
-    "constraint-in-bounds",
-    kinds=["constraint"],
-    why="the search begins at the reduced numbers and moves within the bounds; both must do",
-)
+@check("constraint-in-bounds", kinds=["constraint"])
 def _in_bounds(subject: Subject) -> None:
+    """The search begins at the reduced numbers and moves within the bounds; both must do."""
     for what, made in _made(subject):
-        lower, upper = as_numbers(made.lower), as_numbers(made.upper)
-        for centers in _centers():
-            free = as_numbers(made.reduce(centers.copy())[0])
+        lower, upper = _bounds(made)
+        for centers in problems.rows_of_centers(_COUNT):
+            free, _ = _reduced(made, centers)
             if free.shape == lower.shape and not ((free >= lower) & (free <= upper)).all():
                 raise ContractFailure(
                     did=f"centres in the unit box, of weights near 1, were reduced for {what}",
@@ -159,8 +104,8 @@ def _in_bounds(subject: Subject) -> None:
                     expected=f"numbers from {lower.tolist()} to {upper.tolist()}",
                     fix="clip them, or widen the bounds",
                 )
-        for free in _numbers(made):
-            rows = _rows(_expanded(made, free, next(_centers())), tuple(made.determines))
+        for free in _free(made):
+            rows = _expanded(made, free, next(problems.rows_of_centers(1)))[list(made.determines)]
             # A weight of 0 or less costs as much as can be; no number at all cannot be ranked.
             if not np.isfinite(rows).all():
                 raise ContractFailure(
@@ -171,96 +116,88 @@ def _in_bounds(subject: Subject) -> None:
                 )
 
 
-@check(
-    "constraint-reduce-expand",
-    kinds=["constraint"],
-    why="a search that goes on from its own result must begin where it ended",
-)
+@check("constraint-reduce-expand", kinds=["constraint"])
 def _reduce_expand(subject: Subject) -> None:
+    """A search that goes on from its own result must begin where it ended."""
     for what, made in _made(subject):
-        for free, centers in zip(_numbers(made), _centers(), strict=True):
-            back = made.reduce(_expanded(made, free, centers))[0]
-            difference = unlike(back, free, tolerance=_CLOSE)
-            if difference is not None:
-                raise ContractFailure(
-                    did=f"{free.round(6).tolist()} was expanded for {what}, and reduced again",
-                    got=f"{as_numbers(back).round(6).tolist()}",
-                    expected="the same numbers",
-                    fix="let reduce() undo expand(); bound angles so that they mean one thing",
-                )
+        for free, centers in zip(_free(made), problems.rows_of_centers(_COUNT), strict=True):
+            back, _ = _reduced(made, _expanded(made, free, centers))
+            expect_equal(
+                back,
+                free,
+                tolerance=_CLOSE,
+                did=f"{free.round(6).tolist()} was expanded for {what}, and reduced again",
+                got=f"{back.round(6).tolist()}",
+                expected="the same numbers",
+                fix="let reduce() undo expand(); bound angles so that they mean one thing",
+            )
 
 
-@check(
-    "constraint-feasible",
-    kinds=["constraint"],
-    why="the centres that reduce() returns are read by other constraints; they must be feasible",
-)
+@check("constraint-feasible", kinds=["constraint"])
 def _feasible(subject: Subject) -> None:
+    """The centres that reduce() returns are read by other constraints; they must be feasible."""
     for what, made in _made(subject):
-        for centers in _centers():
-            free, rows = made.reduce(centers.copy())
-            whole = _expanded(made, free, as_numbers(rows).copy())
-            difference = unlike(whole, rows, tolerance=_CLOSE)
-            if difference is not None:
-                raise ContractFailure(
-                    did=f"any centres were reduced for {what}, and what came back expanded",
-                    got=f"rows that differ by up to {difference:.3g} from those of reduce()",
-                    expected="the same: reduce() returns the feasible centres that its numbers"
-                    " stand for",
-                    fix="end reduce() with return free, self.expand(free, rows)",
-                )
+        for centers in problems.rows_of_centers(_COUNT):
+            free, rows = _reduced(made, centers)
+            expect_equal(
+                _expanded(made, free, rows),
+                rows,
+                tolerance=_CLOSE,
+                did=f"any centres were reduced for {what}, and what came back expanded",
+                got="rows that differ by up to {} from those of reduce()",
+                expected="the same: reduce() returns the feasible centres that its numbers stand"
+                " for",
+                fix="end reduce() with return free, self.expand(free, rows)",
+            )
 
 
-@check(
-    "constraint-unchanged",
-    kinds=["constraint"],
-    why="centres that obey already need no correction; moving them spoils a good start",
-)
+@check("constraint-unchanged", kinds=["constraint"])
 def _unchanged(subject: Subject) -> None:
+    """Centres that obey already need no correction; moving them spoils a good start."""
     for what, made in _made(subject):
-        for free, centers in zip(_numbers(made), _centers(), strict=True):
+        for free, centers in zip(_free(made), problems.rows_of_centers(_COUNT), strict=True):
             whole = _expanded(made, free, centers)
-            rows = made.reduce(whole.copy())[1]
-            difference = unlike(rows, whole, tolerance=_CLOSE)
-            if difference is not None:
-                raise ContractFailure(
-                    did=f"feasible centres were reduced for {what}",
-                    got=f"centres moved by up to {difference:.3g}",
-                    expected="the same centres",
-                    fix="return the nearest feasible centres: for feasible ones, themselves",
-                )
+            expect_equal(
+                _reduced(made, whole)[1],
+                whole,
+                tolerance=_CLOSE,
+                did=f"feasible centres were reduced for {what}",
+                got="centres moved by up to {}",
+                expected="the same centres",
+                fix="return the nearest feasible centres: for feasible ones, themselves",
+            )
 
 
-@check(
-    "constraint-touches-only-its-own",
-    kinds=["constraint"],
-    why="constraints are put together by what they determine and read; nothing else may change",
-)
+@check("constraint-touches-only-its-own", kinds=["constraint"])
 def _touches(subject: Subject) -> None:
+    """Constraints are put together by what they determine and read; nothing else may change."""
     for what, made in _made(subject):
-        determines, reads = tuple(made.determines), tuple(made.reads)
-        unread = [k for k in range(_LABELS) if k not in (*determines, *reads)]
-        fixed = [k for k in range(_LABELS) if k not in determines]
-        free = _numbers(made, 1)[0]
-        first, other = _centers(2)
-        whole, rows = _expanded(made, free, first.copy()), as_numbers(made.reduce(first.copy())[1])
-        for title, got, kept in (("expand()", whole, fixed), ("reduce()", rows, unread)):
-            if unlike(got[kept], first[kept]) is not None:
-                raise ContractFailure(
-                    did=f"{title} was called for {what}",
-                    got="other rows changed than those"
-                    + (" determined" if title == "expand()" else " determined or read"),
-                    expected=f"the rows of {kept} as they were",
-                    fix="copy the rows that are given, and fill in those of its labels",
-                )
+        determines, reads = list(made.determines), list(made.reads)
+        unread = [k for k in range(problems.N_CENTERS) if k not in (*determines, *reads)]
+        fixed = [k for k in range(problems.N_CENTERS) if k not in determines]
+        free = _free(made)[0]
+        first, other = problems.rows_of_centers(2)
+        whole, rows = _expanded(made, free, first), _reduced(made, first)[1]
+        for title, found, kept, own in (
+            ("expand()", whole, fixed, "determined"),
+            ("reduce()", rows, unread, "determined or read"),
+        ):
+            expect_equal(
+                found[kept],
+                first[kept],
+                did=f"{title} was called for {what}",
+                got=f"other rows changed than those {own}",
+                expected=f"the rows of {kept} as they were",
+                fix="copy the rows that are given, and fill in those of its labels",
+            )
         mixed = first.copy()
         mixed[[*determines, *unread]] = other[[*determines, *unread]]
-        again = _expanded(made, free, mixed)
-        if unlike(_rows(again, determines), _rows(whole, determines)) is not None:
-            raise ContractFailure(
-                did=f"expand() was called for {what}, and again with rows changed that it does"
-                " not read",
-                got="other centres",
-                expected=f"centres that depend on its numbers and the rows of {list(reads)} only",
-                fix="name every label whose row counts in 'reads'",
-            )
+        expect_equal(
+            _expanded(made, free, mixed)[determines],
+            whole[determines],
+            did=f"expand() was called for {what}, and again with rows changed that it does not"
+            " read",
+            got="other centres",
+            expected=f"centres that depend on its numbers and the rows of {reads} only",
+            fix="name every label whose row counts in 'reads'",
+        )

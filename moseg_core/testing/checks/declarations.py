@@ -8,24 +8,23 @@ be true.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
+from moseg_core.components.chosen import Choice, prepare
 from moseg_core.components.constraint_function import FunctionConstraint
 from moseg_core.components.parameters import Parameter, check_parameters
 from moseg_core.errors import UsageError
 from moseg_core.testing.check import ContractFailure, Skip, Subject, check
-from moseg_core.testing.checks.repeats import baseline, compare, complain_of_errors
-from moseg_core.testing.fixtures.drivers import drive, prepared
-from moseg_core.testing.fixtures.trial import DRIVEN, declared, required_values
+from moseg_core.testing.checks.repeats import baseline
+from moseg_core.testing.fixtures.comparison import expect_no_error, expect_same
+from moseg_core.testing.fixtures.drivers import drive
+from moseg_core.testing.fixtures.trial import DRIVEN, declared, required
 
 
-@check(
-    "parameters-round-trip",
-    kinds=DRIVEN,
-    why="recipes and results write parameters down; read back, they must mean the same",
-)
-def parameters_round_trip(subject: Subject) -> None:
-    """Every default is a value that the declaration allows, and giving it changes nothing."""
+@check("parameters-round-trip", kinds=DRIVEN)
+def _parameters_round_trip(subject: Subject) -> None:
+    """Recipes and results write parameters down; read back, they must mean the same."""
     parameters = declared(subject)
     optional = [p for p in parameters if not p.required and p.default is not None]
     if not optional:
@@ -47,35 +46,35 @@ def parameters_round_trip(subject: Subject) -> None:
                 expected=repr(parameter.default),
                 fix=f"write the default as a {parameter.type.__name__}",
             )
-    said = {parameter.name: parameter.default for parameter in optional}
-    compare(
+    defaults = {parameter.name: parameter.default for parameter in optional}
+    expect_same(
         baseline(subject),
-        drive(subject, parameters=said),
-        did=f"it was run with nothing said, and with its defaults {said} given",
-        expected="the same",
+        drive(subject, parameters=defaults),
+        did=f"it was run without parameters, and with its defaults {defaults} given",
         fix="use the same default in the signature as within",
     )
 
 
-@check(
-    "parameters-in-range",
-    kinds=DRIVEN,
-    why="what the declaration allows a user to say must not end in a crash",
-)
-def parameters_in_range(subject: Subject) -> None:
-    """It runs with the ends of every range; a refusal must be moseg's own UsageError."""
-    tried = [(p, value) for p in declared(subject) for value in _within(p)]
-    if not tried:
-        raise Skip("it has no parameters with bounds")
-    for parameter, value in tried:
-        found = drive(subject, parameters={parameter.name: value})
-        complain_of_errors(
-            found,
+@check("parameters-in-range", kinds=DRIVEN)
+def _parameters_in_range(subject: Subject) -> None:
+    """What the declaration allows a user to say must not end in a crash."""
+    for parameter, value in _tried(subject, _within):
+        expect_no_error(
+            drive(subject, parameters={parameter.name: value}),
             did=f"it was run with {parameter.name}={value!r}, which its declaration allows",
             excused=True,
             fix="narrow the Interval, handle the value, or raise moseg_core.UsageError where it"
             " depends on something else",
         )
+
+
+def _tried(
+    subject: Subject, values: Callable[[Parameter], list[Any]]
+) -> list[tuple[Parameter, Any]]:
+    tried = [(parameter, value) for parameter in declared(subject) for value in values(parameter)]
+    if not tried:
+        raise Skip("it has no parameters with bounds")
+    return tried
 
 
 def _within(parameter: Parameter) -> list[Any]:
@@ -85,26 +84,19 @@ def _within(parameter: Parameter) -> list[Any]:
     if parameter.type not in (int, float):
         return []
     most = 10.0 * max(1.0, abs(parameter.default or 1.0))
-    low, high = parameter.interval.low, parameter.interval.high
-    return [parameter.type(end) for end in (low, high) if math.isfinite(end) and abs(end) <= most]
+    ends = (parameter.interval.low, parameter.interval.high)
+    return [parameter.type(end) for end in ends if math.isfinite(end) and abs(end) <= most]
 
 
-@check(
-    "parameter-out-of-range",
-    kinds=DRIVEN,
-    why="a wrong number must be refused before the search, by a message that names it",
-)
-def parameter_out_of_range(subject: Subject) -> None:
-    """Values beyond a range are refused by name."""
-    tried = [(p, value) for p in declared(subject) for value in _beyond(p)]
-    if not tried:
-        raise Skip("it has no parameters with bounds")
-    required = required_values(declared(subject))
-    for parameter, value in tried:
+@check("parameter-out-of-range", kinds=DRIVEN)
+def _parameter_out_of_range(subject: Subject) -> None:
+    """A wrong number must be refused before the search, by a message that names it."""
+    others = required(subject)
+    for parameter, value in _tried(subject, _beyond):
         did = f"{parameter.name}={value:g} was asked for, where {parameter.interval} is allowed"
         fix = "declare parameters as keyword-only arguments with moseg_core.Interval"
         try:
-            _asked(subject, {**required, parameter.name: value})
+            _asked(subject, {**others, parameter.name: value})
         except UsageError as error:
             if parameter.name not in str(error):
                 raise ContractFailure(
@@ -117,16 +109,14 @@ def parameter_out_of_range(subject: Subject) -> None:
 def _beyond(parameter: Parameter) -> list[Any]:
     if parameter.type not in (int, float):
         return []
-    low, high = parameter.interval.low, parameter.interval.high
-    found = [low - 1.0] if math.isfinite(low) else []
-    found += [high + 1.0] if math.isfinite(high) else []
-    return [parameter.type(value) for value in found]
+    beyond = (parameter.interval.low - 1.0, parameter.interval.high + 1.0)
+    return [parameter.type(value) for value in beyond if math.isfinite(value)]
 
 
 def _asked(subject: Subject, parameters: dict[str, Any]) -> None:
     """Have the core check parameters as it does when somebody asks for the component."""
-    kind, target = subject.component.kind, subject.load()
-    if kind == "objective" or isinstance(target, FunctionConstraint):
-        check_parameters(tuple(target.parameters), parameters, subject.component.who)
+    component, target = subject.component, subject.load()
+    if component.kind == "objective" or isinstance(target, FunctionConstraint):
+        check_parameters(tuple(target.parameters), parameters, component.who)
     else:
-        prepared(subject, parameters)
+        prepare(Choice(component.id, parameters), component.kind, subject.registry)

@@ -14,62 +14,44 @@ from collections.abc import Callable, Iterator
 import numpy as np
 from scipy.spatial.distance import pdist
 
+from moseg_core.errors import MosegError
 from moseg_core.shape.shape import Shape
 from moseg_core.testing.check import ContractFailure, Skip, Subject, check
-from moseg_core.testing.fixtures.problems import pebble, refused, turn, unlike
-from moseg_core.testing.fixtures.trial import values_for
+from moseg_core.testing.fixtures.comparison import expect_equal, unlike
+from moseg_core.testing.fixtures.shapes import lump, mapped, rotation
+from moseg_core.testing.fixtures.trial import made
 from moseg_core.types import FloatArray
 
 #: Of the greatest distance. Iterations that stop a little sooner or later must be allowed for.
 _SAME = 1e-3
+_ELSEWHERE = (5.0, 40.0, -3.0)
 
 
-def _made(subject: Subject, shape: Shape) -> Callable[[Shape], Shape]:
-    made: Callable[[Shape], Shape] = subject.load()(**values_for(subject, shape))
-    return made
-
-
-def _bent(subject: Subject, shape: Shape) -> Shape:
-    return _embedded(_made(subject, shape), shape)
-
-
-def _embedded(embedding: Callable[[Shape], Shape], shape: Shape) -> Shape:
-    found, reason = refused(lambda: embedding(shape))
-    if found is None:
-        raise Skip(f"it refuses a closed surface in one piece: {reason}")
-    made: Shape = found
-    return made
+def _embedded(
+    subject: Subject, shape: Shape, embedding: Callable[..., Shape] | None = None
+) -> Shape:
+    try:
+        return (embedding or made(subject, meets=(shape,)))(shape)
+    except MosegError as error:
+        raise Skip(f"it refuses a closed surface in one piece: {error}") from error
 
 
 def _shapes() -> Iterator[Shape]:
-    yield pebble()
-    yield _moved(pebble(1), np.diag([1.0, 1.0, 2.0]), "long pebble")
+    yield lump()
+    yield mapped(lump(1), np.diag([1.0, 1.0, 2.0]), _ELSEWHERE, name="long lump")
 
 
-def _moved(shape: Shape, matrix: FloatArray, name: str) -> Shape:
-    """The shape with a linear map applied to its vertices, and shifted."""
-    mesh = shape.geometry
-    vertices = mesh.vertices @ matrix.T + np.array([5.0, 40.0, -3.0])
-    return Shape.from_mesh(vertices, mesh.triangles, name=name)
-
-
-@check(
-    "embedding-elements",
-    kinds=["embedding"],
-    why="labels of the embedded shape are taken for those of the original, element by element",
-)
+@check("embedding-elements", kinds=["embedding"])
 def _elements(subject: Subject) -> None:
+    """Labels of the embedded shape are taken for those of the original, element by element."""
     for shape in _shapes():
-        found = _bent(subject, shape)
-        if not isinstance(found, Shape) or found.points.shape != shape.points.shape:
-            got = (
-                f"a Shape of {len(found.points)} elements"
-                if isinstance(found, Shape)
-                else f"a {type(found).__name__}"
-            )
+        found = _embedded(subject, shape)
+        own = isinstance(found, Shape)
+        if not own or found.points.shape != shape.points.shape:
+            count = f" of {len(found.points)} elements" if own else ""
             raise ContractFailure(
                 did=f"it was given a {shape.name} of {shape.n_elements} faces",
-                got=got,
+                got=f"a {type(found).__name__}{count}",
                 expected="a moseg_core.Shape with a point for each of them",
                 fix="return shape.deformed(vertices, space='...')",
             )
@@ -84,18 +66,13 @@ def _elements(subject: Subject) -> None:
             )
 
 
-@check(
-    "embedding-finite",
-    kinds=["embedding"],
-    why="a point at no finite place is nearest to no centre",
-)
+@check("embedding-finite", kinds=["embedding"])
 def _finite(subject: Subject) -> None:
+    """A point at no finite place is nearest to no centre."""
     for shape in _shapes():
-        found = _bent(subject, shape)
-        numbers = {"points": found.points, "areas": found.areas}
-        for name, array in numbers.items():
-            wrong = int((~np.isfinite(array)).sum())
-            if wrong:
+        found = _embedded(subject, shape)
+        for name, array in {"points": found.points, "areas": found.areas}.items():
+            if wrong := int((~np.isfinite(array)).sum()):
                 raise ContractFailure(
                     did=f"it was given a {shape.name}",
                     got=f"{wrong} numbers in the {name} of the embedded shape that are not finite",
@@ -105,48 +82,42 @@ def _finite(subject: Subject) -> None:
                 )
 
 
-@check(
-    "embedding-deterministic",
-    kinds=["embedding"],
-    why="the embedding is computed anew in each process and run; results must not hang on that",
-)
+@check("embedding-deterministic", kinds=["embedding"])
 def _deterministic(subject: Subject) -> None:
+    """The embedding is computed anew in each process and run; results must not hang on that."""
     for shape in _shapes():
-        embedding = _made(subject, shape)
-        first, second = (_embedded(embedding, shape).points for _ in range(2))
-        difference = unlike(first, second)
-        if difference is not None:
-            raise ContractFailure(
-                did=f"a {shape.name} was embedded twice",
-                got=f"points that differ by up to {difference:.3g}",
-                expected="the same, to the bit",
-                fix="use a generator of a fixed seed and a fixed start for iterative solvers; keep"
-                " nothing of one call for the next",
-            )
+        embedding = made(subject, meets=(shape,))
+        first, second = (_embedded(subject, shape, embedding).points for _ in range(2))
+        expect_equal(
+            first,
+            second,
+            did=f"a {shape.name} was embedded twice",
+            got="points that differ by up to {}",
+            expected="the same, to the bit",
+            fix="use a generator of a fixed seed and a fixed start for iterative solvers; keep"
+            " nothing of one call for the next",
+        )
 
 
-@check(
-    "embedding-isometry",
-    kinds=["embedding"],
-    why="a shape that was turned in its file must be cut as before",
-)
+@check("embedding-isometry", kinds=["embedding"])
 def _isometry(subject: Subject) -> None:
-    mirror = np.diag([1.0, -1.0, 1.0])
+    """A shape that was turned in its file must be cut as before."""
+    motions = {"turned": rotation(3), "mirrored": np.diag([1.0, -1.0, 1.0])}
     # The last has more vertices than some embeddings look at one by one.
-    for shape in (*_shapes(), pebble(3)):
-        before = _distances(_bent(subject, shape))
-        for what, matrix in (("turned", turn()), ("mirrored", mirror)):
-            after = _distances(_bent(subject, _moved(shape, matrix, f"{what} {shape.name}")))
-            difference = unlike(before, after, tolerance=_SAME)
-            if difference is not None:
-                raise ContractFailure(
-                    did=f"a {shape.name} was embedded, and again after it was {what} and moved",
-                    got=f"distances between elements that differ by up to {difference:.3g} of"
-                    " the greatest",
-                    expected="the same distances, but for their unit",
-                    fix="begin from distances, or from axes of the shape; not from the file's axes"
-                    " or its origin",
-                )
+    for shape in (*_shapes(), lump(3)):
+        before = _distances(_embedded(subject, shape))
+        for what, matrix in motions.items():
+            other = mapped(shape, matrix, _ELSEWHERE, name=f"{what} {shape.name}")
+            expect_equal(
+                before,
+                _distances(_embedded(subject, other)),
+                tolerance=_SAME,
+                did=f"a {shape.name} was embedded, and again after it was {what} and moved",
+                got="distances between elements that differ by up to {} of the greatest",
+                expected="the same distances, but for their unit",
+                fix="begin from distances, or from axes of the shape; not from the file's axes or"
+                " its origin",
+            )
 
 
 def _distances(shape: Shape) -> FloatArray:

@@ -13,31 +13,23 @@ import json
 import os
 import subprocess
 import sys
+from collections.abc import Sequence
 from functools import lru_cache
 from typing import Any, get_args
 
+from moseg_core.components import protocols
 from moseg_core.components.discovery.registry import describe
 from moseg_core.components.discovery.specs import Kind
 from moseg_core.components.objectives import COST_ORDER, Arity, Invariance, Requirement, Traits
 from moseg_core.components.parameters import Parameter
-from moseg_core.components.protocols import (
-    Constraint,
-    Embedding,
-    Labeler,
-    Objective,
-    Optimizer,
-    Parameterization,
-    Seeder,
-)
 from moseg_core.problem.recipe import load_recipe
 from moseg_core.testing.check import ContractFailure, Skip, Subject, check
-from moseg_core.testing.fixtures.drivers import TOYS, constraint_on, evaluator_on, optimizer_on
-from moseg_core.testing.fixtures.shapes import specimen
-from moseg_core.testing.fixtures.trial import DRIVEN, Trial, declared, has_example
+from moseg_core.testing.fixtures.problems import constraints_on, evaluator_on
+from moseg_core.testing.fixtures.shapes import lump, twin
+from moseg_core.testing.fixtures.toys import optimizer_on
+from moseg_core.testing.fixtures.trial import FACTORIES, Trial, declared, has_example
 
 ALL: tuple[Kind, ...] = get_args(Kind)
-FACTORIES: tuple[Kind, ...] = tuple(kind for kind in DRIVEN if kind not in ("objective", "measure"))
-"""The kinds that are made before they are used."""
 
 #: What each target is called with, by kind: positional arguments, then keyword ones.
 _CALLED: dict[Kind, tuple[tuple[str, ...], tuple[str, ...]]] = {
@@ -52,40 +44,13 @@ _CALLED: dict[Kind, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "writer": (("result",), ()),
 }
 
-_METHODS: dict[Kind, tuple[type, dict[str, tuple[tuple[str, ...], tuple[str, ...]]]]] = {
-    "parameterization": (
-        Parameterization,
-        {
-            "labels": (("vectors",), ()),
-            "encode": (("centers",), ()),
-            "decode": (("vector",), ()),
-            "distances": (("vector", "points"), ()),
-            "coordinates": (("part",), ()),
-            "permute": (("vector", "order"), ()),
-        },
-    ),
-    "seeder": (Seeder, {"__call__": (("evaluator",), ("rng", "report"))}),
-    "labeler": (Labeler, {"__call__": (("evaluator", "vector"), ())}),
-    "optimizer": (Optimizer, {"ask": ((), ()), "tell": (("costs",), ())}),
-    "constraint": (
-        Constraint,
-        {"expand": (("free", "centers"), ()), "reduce": (("centers",), ())},
-    ),
-    "embedding": (Embedding, {"__call__": (("shape",), ())}),
-}
-
 
 # -- Found and made ---------------------------------------------------------------------------
 
 
-@check(
-    "target-resolves",
-    kinds=ALL,
-    gate=True,
-    why="a target that names nothing is only noticed by the user who asks for the component",
-)
-def target_resolves(subject: Subject) -> None:
-    """The module imports and has the name."""
+@check("target-resolves", kinds=ALL, gate=True)
+def _target_resolves(subject: Subject) -> None:
+    """A target that names nothing is only noticed by the user who asks for the component."""
     spec = subject.component.spec
     did = f"'{spec.target}' was imported"
     try:
@@ -106,14 +71,9 @@ def target_resolves(subject: Subject) -> None:
         )
 
 
-@check(
-    "signature-fits",
-    kinds=ALL,
-    gate=True,
-    why="the core calls all components of a kind alike, and reads parameters from the signature",
-)
-def signature_fits(subject: Subject) -> None:
-    """The target takes what its kind is given; an objective declares what it is."""
+@check("signature-fits", kinds=ALL, gate=True)
+def _signature_fits(subject: Subject) -> None:
+    """The core calls all components of a kind alike, and reads parameters from the signature."""
     kind, target = subject.component.kind, subject.load()
     if kind == "objective":
         _traits_fit(target)
@@ -134,7 +94,7 @@ def signature_fits(subject: Subject) -> None:
 
 
 def _traits_fit(target: Any) -> None:
-    if not isinstance(target, Objective) or not isinstance(target.traits, Traits):
+    if not isinstance(target, protocols.Objective) or not isinstance(target.traits, Traits):
         raise ContractFailure(
             did="its traits and parameters were asked for",
             got=f"a {type(target).__name__} without them",
@@ -142,30 +102,25 @@ def _traits_fit(target: Any) -> None:
             fix="decorate the function with @moseg_core.objective(range=...)",
         )
     traits = target.traits
-    wrong = ""
-    low, high = traits.range
-    if traits.arity not in get_args(Arity):
-        wrong = f"the arity {traits.arity!r}"
-    elif not low < high:
-        wrong = f"the range {traits.range}"
-    elif traits.cost not in COST_ORDER:
-        wrong = f"the cost {traits.cost!r}"
-    elif not set(traits.requires) <= set(get_args(Requirement)):
-        wrong = f"the requirements {sorted(traits.requires)}"
-    elif not set(traits.invariant_to) <= set(get_args(Invariance)):
-        wrong = f"the invariances {sorted(traits.invariant_to)}"
-    elif not all(isinstance(parameter, Parameter) for parameter in target.parameters):
-        wrong = "parameters that are no moseg_core Parameters"
-    if wrong:
+    sound = {
+        f"the arity {traits.arity!r}": traits.arity in get_args(Arity),
+        f"the range {traits.range}": traits.range[0] < traits.range[1],
+        f"the cost {traits.cost!r}": traits.cost in COST_ORDER,
+        f"the requirements {set(traits.requires)}": traits.requires <= {*get_args(Requirement)},
+        f"the invariances {set(traits.invariant_to)}": traits.invariant_to
+        <= {*get_args(Invariance)},
+        "parameters of another class": all(isinstance(p, Parameter) for p in target.parameters),
+    }
+    if wrong := [name for name, holds in sound.items() if not holds]:
         raise ContractFailure(
             did="its traits were read",
-            got=wrong,
+            got=wrong[0],
             expected="what moseg_core.components.objectives.Traits describes",
             fix="decorate the function with @moseg_core.objective, which checks them",
         )
 
 
-def _binds(target: Any, positional: tuple[str, ...], keywords: tuple[str, ...], who: str) -> None:
+def _binds(target: Any, positional: Sequence[str], keywords: Sequence[str], who: str) -> None:
     """Complain unless something can be called with these arguments."""
     try:
         signature = inspect.signature(target)
@@ -188,14 +143,9 @@ def _binds(target: Any, positional: tuple[str, ...], keywords: tuple[str, ...], 
         ) from error
 
 
-@check(
-    "default-construction",
-    kinds=FACTORIES,
-    gate=True,
-    why="a user who writes the name alone gets the component with its defaults",
-)
-def default_construction(subject: Subject) -> None:
-    """It can be made without parameters."""
+@check("default-construction", kinds=FACTORIES, gate=True)
+def _default_construction(subject: Subject) -> None:
+    """A user who writes the name alone gets the component with its defaults."""
     texts = [p.name for p in declared(subject) if p.required and p.type is str]
     if texts and not has_example(subject):
         raise ContractFailure(
@@ -207,7 +157,7 @@ def default_construction(subject: Subject) -> None:
         )
     try:
         _made(subject)
-    except Skip:
+    except (Skip, ContractFailure):
         raise
     except Exception as error:  # a stranger's component may raise anything
         raise ContractFailure(
@@ -219,17 +169,11 @@ def default_construction(subject: Subject) -> None:
         ) from error
 
 
-@check(
-    "protocol-answered",
-    kinds=FACTORIES,
-    gate=True,
-    why="the search asks for these attributes and methods without looking first",
-)
-def protocol_answered(subject: Subject) -> None:
-    """What is made has all attributes of its protocol, and methods that take their arguments."""
+@check("protocol-answered", kinds=FACTORIES, gate=True)
+def _protocol_answered(subject: Subject) -> None:
+    """The search asks for these attributes and methods without looking first."""
     kind = subject.component.kind
-    protocol, methods = _METHODS[kind]
-    made = _made(subject)
+    made, protocol = _made(subject), getattr(protocols, kind.capitalize())
     if not isinstance(made, protocol):
         names = sorted(name for name in dir(protocol) if not name.startswith("_"))
         missing = [name for name in names if not hasattr(made, name)]
@@ -239,82 +183,52 @@ def protocol_answered(subject: Subject) -> None:
             expected=f"all that moseg_core.components.protocols.{protocol.__name__} lists",
             fix="add what is missing",
         )
-    for name, (positional, keywords) in methods.items():
-        _binds(getattr(made, name), positional, keywords, who=f"{type(made).__name__}.{name}")
+    for name, method in vars(protocol).items():
+        if inspect.isfunction(method) and (name == "__call__" or not name.startswith("_")):
+            _, *arguments = inspect.signature(method).parameters.values()
+            named = [p.name for p in arguments if p.kind is p.KEYWORD_ONLY]
+            plain = [p.name for p in arguments if p.name not in named]
+            _binds(getattr(made, name), plain, named, who=f"{type(made).__name__}.{name}")
 
 
 def _made(subject: Subject) -> Any:
     """The component as the core makes it, on a small shape where it needs one."""
-    trial = Trial(subject=subject)
-    kind = subject.component.kind
+    trial, kind = Trial(subject=subject), subject.component.kind
     if kind == "parameterization":
-        return trial.make(specimen("lump"), 3)
+        return trial.make(lump(), 3)
     if kind == "optimizer":
-        return optimizer_on(trial, TOYS[0])
+        return optimizer_on(trial)
     if kind == "constraint":
-        return constraint_on(trial, specimen("twin"))[0]
-    shape = specimen("lump")
-    if kind in ("seeder", "labeler"):
-        return trial.make(meets=(evaluator_on(subject, shape),))
-    return trial.make(meets=(shape,))
+        return next(constraints_on(trial, twin()))[1]
+    evaluates = kind in ("seeder", "labeler")
+    return trial.make(meets=(evaluator_on(lump(), 3) if evaluates else lump(),))
 
 
 # -- The bundle -------------------------------------------------------------------------------
 
 HEAVY = frozenset(
     (
-        "numpy",
-        "scipy",
-        "numba",
-        "trimesh",
-        "PIL",
-        "igl",
-        "pandas",
-        "torch",
-        "tensorflow",
-        "jax",
-        "sklearn",
-        "skimage",
-        "matplotlib",
-        "networkx",
-        "sympy",
-        "open3d",
-        "vtk",
-        "pyvista",
-        "pymeshlab",
-        "h5py",
-        "cv2",
-        "polars",
+        *("numpy", "scipy", "numba", "sympy", "pandas", "polars", "h5py", "networkx"),
+        *("torch", "tensorflow", "jax", "sklearn", "PIL", "skimage", "cv2", "matplotlib"),
+        *("trimesh", "igl", "open3d", "vtk", "pyvista", "pymeshlab"),
     )
 )
 """Packages that take long to import."""
 
 
-@check(
-    "bundle-imports-light",
-    kinds=ALL,
-    why="every command imports the modules of all bundles, only to say what is installed",
-)
-def bundle_imports_light(subject: Subject) -> None:
-    """Importing the bundle's module and calling its hooks imports no numerical library."""
+@check("bundle-imports-light", kinds=ALL)
+def _bundle_imports_light(subject: Subject) -> None:
+    """Every command imports the modules of all bundles, only to say what is installed."""
     name = subject.component.bundle
     module = next(b.module for b in subject.registry.bundles if b.name == name)
     heavy, failure = _imports(module, tuple(path or os.getcwd() for path in sys.path))
-    did = f"'{module}' was imported by itself, and its hooks were called"
-    if failure:
+    if failure or heavy:
         raise ContractFailure(
-            did=did,
-            got=failure,
-            expected="no error",
-            fix="let it import nothing but moseg_core and what it can rely on",
-        )
-    if heavy:
-        raise ContractFailure(
-            did=did,
-            got=f"imports of {', '.join(heavy)}",
-            expected="none of them",
-            fix="name components as texts, 'package.module:Name', and import nothing heavy in"
-            " this module or in its package's __init__",
+            did=f"'{module}' was imported by itself, and its hooks were called",
+            got=failure or f"imports of {', '.join(heavy)}",
+            expected="no error, and no import that takes long",
+            fix="name components as texts, 'package.module:Name'; let this module and its"
+            " package's __init__ import nothing but moseg_core and what is light",
         )
 
 

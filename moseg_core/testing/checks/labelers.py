@@ -14,28 +14,24 @@ import numpy as np
 
 from moseg_core.search.evaluator import ProblemEvaluator
 from moseg_core.testing.check import ContractFailure, Skip, Subject, check
-from moseg_core.testing.fixtures.problems import evaluator, vectors
-from moseg_core.testing.fixtures.trial import values_for
+from moseg_core.testing.fixtures.comparison import ROUNDING
+from moseg_core.testing.fixtures.problems import evaluator_on, vectors
+from moseg_core.testing.fixtures.shapes import lump
+from moseg_core.testing.fixtures.trial import made
 from moseg_core.types import FloatArray, IntArray
 
-_ROUNDING = 1e-9
+
+def _order(subject: Subject, evaluator: ProblemEvaluator, vector: FloatArray) -> IntArray:
+    return np.asarray(made(subject, meets=(evaluator,))(evaluator, vector))
 
 
-def _order(subject: Subject, stage: ProblemEvaluator, vector: FloatArray) -> IntArray:
-    labeler = subject.load()(**values_for(subject, stage))
-    return np.asarray(labeler(stage, vector))
-
-
-@check(
-    "labeler-permutation",
-    kinds=["labeler"],
-    why="each label goes to one centre and each centre to one label, or a part is lost",
-)
+@check("labeler-permutation", kinds=["labeler"])
 def _permutation(subject: Subject) -> None:
+    """Each label goes to one centre and each centre to one label, or a part is lost."""
     for n in (1, 2, 4):
-        stage = evaluator(n)
-        for vector in vectors(stage, 2):
-            found = _order(subject, stage, vector)
+        evaluator = evaluator_on(lump(), n)
+        for vector in vectors(evaluator, 2):
+            found = _order(subject, evaluator, vector)
             if np.issubdtype(found.dtype, np.integer) and sorted(found.tolist()) == list(range(n)):
                 continue
             raise ContractFailure(
@@ -46,12 +42,9 @@ def _permutation(subject: Subject) -> None:
             )
 
 
-@check(
-    "labeler-optimal",
-    kinds=["labeler"],
-    why="where it says that its labels are the best, nobody looks for better ones",
-)
+@check("labeler-optimal", kinds=["labeler"])
 def _optimal(subject: Subject) -> None:
+    """Where it says that its labels are the best, nobody looks for better ones."""
     claim = getattr(subject.load(), "optimal", None)
     if claim is None:
         raise Skip("it does not say that it is optimal")
@@ -62,12 +55,12 @@ def _optimal(subject: Subject) -> None:
             expected="'unary' or 'all', the terms for which its labels are the best",
             fix="leave it out where there is no guarantee",
         )
-    stage = evaluator(4)
-    for vector in vectors(stage, 6, seed=1):
-        found = tuple(_order(subject, stage, vector).tolist())
-        price = _unary(stage, vector) if claim == "unary" else _whole(stage, vector)
+    evaluator = evaluator_on(lump(), 4)
+    for vector in vectors(evaluator, 6, seed=1):
+        found = tuple(_order(subject, evaluator, vector).tolist())
+        price = _price(claim, evaluator, vector)
         best = min(itertools.permutations(range(4)), key=price)
-        if sorted(found) == [0, 1, 2, 3] and price(found) > price(best) + _ROUNDING:
+        if sorted(found) == [0, 1, 2, 3] and price(found) > price(best) + ROUNDING:
             raise ContractFailure(
                 did="its labels of 4 parts were compared with all 24 ways to give them",
                 got=f"{list(found)}, at {price(found):.6g}",
@@ -77,36 +70,29 @@ def _optimal(subject: Subject) -> None:
             )
 
 
-def _unary(stage: ProblemEvaluator, vector: FloatArray) -> Callable[[tuple[int, ...]], float]:
-    """Sum of the unary terms under an order, from the whole matrix."""
-    costs = stage.unary_costs(vector).all()
-    return lambda order: float(sum(costs[part, label] for label, part in enumerate(order)))
+def _price(claim: str, evaluator: ProblemEvaluator, vector: FloatArray) -> Callable[..., float]:
+    """What an order costs: the sum of the unary terms, or all of the cost."""
+    if claim == "unary":
+        costs = evaluator.unary_costs(vector).all()
+        return lambda order: float(costs[order, range(4)].sum())
+    segmentation = evaluator.segmentation(evaluator.labels(vector))
+    return lambda order: evaluator.order_cost(segmentation, np.array(order)).value
 
 
-def _whole(stage: ProblemEvaluator, vector: FloatArray) -> Callable[[tuple[int, ...]], float]:
-    """The cost under an order, of a partition without empty parts."""
-    segmentation = stage.segmentation(stage.labels(vector))
-    return lambda order: stage.order_cost(segmentation, np.array(order)).value
-
-
-@check(
-    "labeler-equivariant",
-    kinds=["labeler"],
-    why="the order in which a seeder lists its centres means nothing, and must change nothing",
-)
+@check("labeler-equivariant", kinds=["labeler"])
 def _equivariant(subject: Subject) -> None:
-    stage = evaluator(4)
-    for seed, vector in enumerate(vectors(stage, 4, seed=2)):
-        before = _order(subject, stage, vector)
-        moved = np.random.default_rng(seed).permutation(4)
-        turned = stage.parameterization.permute(vector, moved)
-        after = _order(subject, stage, turned)
+    """The order in which a seeder lists its centres means nothing, and must change nothing."""
+    evaluator = evaluator_on(lump(), 4)
+    for seed, vector in enumerate(vectors(evaluator, 4, seed=2)):
+        order = np.random.default_rng(seed).permutation(4)
+        before = _order(subject, evaluator, vector)
+        after = _order(subject, evaluator, evaluator.parameterization.permute(vector, order))
         if sorted(before.tolist()) != [0, 1, 2, 3] or sorted(after.tolist()) != [0, 1, 2, 3]:
             continue  # labeler-permutation says so
-        if moved[after].tolist() != before.tolist():
+        if order[after].tolist() != before.tolist():
             raise ContractFailure(
-                did=f"it labelled 4 parts, and again with the parts listed as {moved.tolist()}",
-                got=f"labels on the parts {before.tolist()}, then on {moved[after].tolist()}",
+                did=f"it labelled 4 parts, and again with the parts listed as {order.tolist()}",
+                got=f"labels on the parts {before.tolist()}, then on {order[after].tolist()}",
                 expected="the same parts for the same labels, no two costs being equal",
                 fix="decide by what parts are like, not by their numbers",
             )

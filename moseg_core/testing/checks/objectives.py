@@ -17,64 +17,53 @@ from moseg_core.components.cost import Cost
 from moseg_core.components.memo import Memo
 from moseg_core.components.protocols import Batch, Objective
 from moseg_core.errors import MosegError
-from moseg_core.problem.problem import Problem
 from moseg_core.search.evaluator import ProblemEvaluator
-from moseg_core.shape.shape import Shape
 from moseg_core.testing.check import ContractFailure, Skip, Subject, check
-from moseg_core.testing.fixtures.drivers import LABELS, segmented, value_of, values_on, vectors_of
-from moseg_core.testing.fixtures.problems import voronoi
+from moseg_core.testing.fixtures.comparison import Answers, Raised, expect_no_error, expect_same
+from moseg_core.testing.fixtures.objective_values import (
+    SLICED,
+    most_of,
+    segmented,
+    value_of,
+    values_on,
+)
+from moseg_core.testing.fixtures.problems import evaluator_on, labels_of, vectors
 from moseg_core.testing.fixtures.recording import watched
-from moseg_core.testing.fixtures.shapes import ZOO, Labelling, faces_of, labellings, specimen
-from moseg_core.testing.fixtures.trial import Raised, Result, declared, required_values, same
+from moseg_core.testing.fixtures.shapes import ZOO, lump, mapped, slicings, specimen
+from moseg_core.testing.fixtures.trial import Trial, required
 from moseg_core.types import FloatArray
 
 
-def _zoo_values(subject: Subject) -> Result:
+def _zoo_values(subject: Subject) -> Answers:
     """Values for everything in the zoo that the core may ask about."""
 
-    def compute() -> Result:
-        target = subject.load()
-        parameters = required_values(declared(subject))
-        found: Result = {}
+    def compute() -> Answers:
+        found: Answers = {}
         for name in ZOO:
-            shape = specimen(name)
-            for labelling in labellings(shape):
-                if name == "sample" and labelling.title == "scattered":
-                    continue  # no search comes by parts like these, and they take long
-                segmentation = segmented(subject, shape, labelling)
-                title = f"{name}, {labelling.title}"
-                found |= values_on(target, segmentation, title, parameters)
+            # No search comes by scattered parts of the sample, and they take long.
+            titles = SLICED if name == "sample" else (*SLICED, "scattered")
+            values = values_on(Trial(subject=subject), specimen(name), among=titles)
+            found |= {f"{name}, {title}": value for title, value in values.items()}
         return found
 
-    values: Result = subject.keep("zoo", compute)
+    values: Answers = subject.keep("zoo", compute)
     return values
 
 
-@check(
-    "objective-returns",
-    kinds=["objective"],
-    why="an error ends the search, however good the rest of the expression is",
-)
-def returns(subject: Subject) -> None:
-    """It raises on no part that the core may pass to it, whatever the shape."""
-    for title, value in _zoo_values(subject).items():
-        if isinstance(value, Raised):
-            raise ContractFailure(
-                did=f"it was asked about {title}",
-                got=str(value),
-                expected="a number",
-                fix="handle the case; where it cannot be handled, say in requires=(...) what a"
-                " shape must have",
-            )
+@check("objective-returns", kinds=["objective"])
+def _returns(subject: Subject) -> None:
+    """An error ends the search, however good the rest of the expression is."""
+    expect_no_error(
+        _zoo_values(subject),
+        did="it was asked about parts of the zoo",
+        fix="handle the case; where it cannot be handled, say in requires=(...) what a shape must"
+        " have",
+    )
 
 
-@check(
-    "objective-in-range",
-    kinds=["objective"],
-    why="the search leaves out expensive terms by the least value that the range admits",
-)
-def in_range(subject: Subject) -> None:
-    """Values are finite numbers within the declared range."""
+@check("objective-in-range", kinds=["objective"])
+def _in_range(subject: Subject) -> None:
+    """The search leaves out expensive terms by the least value that the range admits."""
     low, high = subject.load().traits.range
     ends = [abs(end) for end in (low, high) if math.isfinite(end)]
     slack = 1e-9 * max([1.0, *ends])  # what the core takes for rounding
@@ -95,62 +84,46 @@ def in_range(subject: Subject) -> None:
             )
 
 
-@check(
-    "objective-sees-its-parts",
-    kinds=["objective"],
-    why="values are remembered by the elements of the parts, and wrong where more was looked at",
-)
-def sees_its_parts(subject: Subject) -> None:
-    """The labels of all other elements, and the part's own number, make no difference."""
-    target: Objective = subject.load()
-    if target.traits.arity == "global":
+@check("objective-sees-its-parts", kinds=["objective"])
+def _sees_its_parts(subject: Subject) -> None:
+    """Values are remembered by the elements of the parts, and wrong where more was looked at."""
+    traits = subject.load().traits
+    if traits.arity == "global":
         raise Skip("it sees the whole segmentation")
-    parameters = required_values(declared(subject))
-    lump = specimen("lump")
+    if traits.least > 2:
+        raise Skip(f"it takes {traits.least} parts")
+    shape = lump()
     # Two parts of which objectives may be asked, in a corner of the lump, whatever the rest.
-    base = next(found for found in labellings(lump) if found.title == "thirds")
-    least = target.traits.least
-    if least > 2:
-        raise Skip(f"it takes {least} parts")
-    rest = np.flatnonzero(base.labels == 2)
-    scrambled = base.labels.copy()
-    scrambled[rest] = 2 + np.arange(len(rest), dtype=np.int32) % 4
+    thirds = slicings(shape)["thirds"]
+    rest = np.flatnonzero(thirds == 2)
+    scrambled = thirds.copy()
+    scrambled[rest] = 2 + np.arange(len(rest)) % 4
     elsewhere = (scrambled + 1) % 6  # the parts have other numbers, the rest other labels
     values = []
-    for labels, first, count in ((base.labels, 0, 3), (elsewhere, 1, 6)):
-        given = Labelling(title=base.title, labels=labels.astype(np.int32), n_parts=count)
-        parts = segmented(subject, lump, given).parts
-        unary = target.traits.arity == "unary"
-        chosen = parts[first] if unary else parts[first : first + least]
-        values.append(value_of(target, chosen, parameters))
-    if not same(values[0], values[1], tolerance=1e-9):
-        raise ContractFailure(
-            did="the lump's other elements got other labels, and the part another number",
-            got=f"{values[0]} and then {values[1]}",
-            expected="the same",
-            fix="use nothing but the part's own elements and part.shape; what is about the whole"
-            " segmentation takes a Segmentation",
-        )
+    for labels, first in ((thirds, 0), (elsewhere, 1)):
+        parts = segmented(subject, shape, labels).parts
+        unary = traits.arity == "unary"
+        chosen = parts[first] if unary else parts[first : first + traits.least]
+        values.append({"value": value_of(subject, chosen)})
+    expect_same(
+        *values,
+        did="the lump's other elements got other labels, and the part another number",
+        fix="use nothing but the part's own elements and part.shape; what is about the whole"
+        " segmentation takes a Segmentation",
+    )
 
 
-_ALTERNATIVES = {"points", "areas", "vertices"}
-
-
-@check(
-    "objective-requires-what-it-reads",
-    kinds=["objective"],
-    why="a shape that lacks something is refused before the search only if that was declared",
-)
-def requires_what_it_reads(subject: Subject) -> None:
-    """It reads no volume, neighbours or triangles that it does not require."""
-    target: Objective = subject.load()
-    requires = target.traits.requires
+@check("objective-requires-what-it-reads", kinds=["objective"])
+def _requires_what_it_reads(subject: Subject) -> None:
+    """A shape that lacks something is refused before the search only if that was declared."""
+    requires = subject.load().traits.requires
     reads = _reads(subject, "lump")
     missing = sorted((reads & {"volume", "adjacency"}) - requires)
     if "surface" not in requires and reads & {"triangles", "to_mesh"}:
         # A cloud has no triangles; who looks at its points instead can do without.
-        instead = _reads(subject, "cloud")
-        if "to_mesh" in instead or ("triangles" in instead and not instead & _ALTERNATIVES):
+        found = _reads(subject, "cloud")
+        instead = found & {"points", "areas", "vertices"}
+        if "to_mesh" in found or ("triangles" in found and not instead):
             missing.append("surface")
     if missing:
         names = ", ".join(f'"{name}"' for name in sorted({*requires, *missing}))
@@ -163,69 +136,45 @@ def requires_what_it_reads(subject: Subject) -> None:
 
 
 def _reads(subject: Subject, name: str) -> set[str]:
-    """What the objective reads of the parts of a specimen."""
+    """What the objective reads of the parts of a specimen, whatever it requires."""
     target: Objective = subject.load()
-    parameters = required_values(declared(subject))
     found: set[str] = set()
     shape = specimen(name)
-    for labelling in labellings(shape):
-        seen, reads = watched(segmented(subject, shape, labelling))
-        arity = target.traits.arity
-        parts = seen.parts
-        if arity == "global":
-            value_of(target, seen, parameters)
-        elif arity == "unary":
-            for part in parts:
-                value_of(target, part, parameters)
-        else:
-            most = len(parts) if target.traits.most is None else target.traits.most
-            if len(parts) >= target.traits.least:
-                value_of(target, parts[:most], parameters)
+    for labels in slicings(shape).values():
+        seen, reads = watched(segmented(subject, shape, labels))
+        asked: tuple[object, ...] = (seen,)
+        if target.traits.arity == "unary":
+            asked = seen.parts
+        elif target.traits.arity != "global":
+            enough = len(seen.parts) >= target.traits.least
+            asked = (seen.parts[: most_of(target, len(seen.parts))],) if enough else ()
+        for given in asked:
+            value_of(subject, given)
         found |= reads
     return found
 
 
-@check(
-    "objective-keeps-shapes-apart",
-    kinds=["objective"],
-    why="a cache of one's own that confuses two shapes gives the second the values of the first",
-)
-def keeps_shapes_apart(subject: Subject) -> None:
-    """What it was asked about one shape makes no difference to another of the same name."""
-    first, second = specimen("lump"), _stretched("lump")
-    _values_of(subject, first)
-    after = _values_of(subject, second)
-    fresh = _values_of(subject, replace(second, name="a shape never seen before"))
-    for title, value in fresh.items():
-        if not same(value, after[title], tolerance=1e-9):
-            raise ContractFailure(
-                did=f"it was asked about two shapes of one name, one after the other ({title})",
-                got=f"{after[title]} for the second",
-                expected=f"{value}, as for the same shape under another name",
-                fix="keep no values of your own; what is worth keeping is a measure, which the"
-                " core remembers: part.measure('bundle:name')",
-            )
-
-
-def _stretched(name: str) -> Shape:
-    shape = specimen("lump")
-    vertices = shape.geometry.vertices * [1.7, 0.8, 1.2]
-    return Shape.from_mesh(vertices, faces_of(shape), name=name)
-
-
-def _values_of(subject: Subject, shape: Shape) -> Result:
-    parameters = required_values(declared(subject))
-    found: Result = {}
-    for labelling in labellings(shape)[:3]:
-        segmentation = segmented(subject, shape, labelling)
-        found |= values_on(subject.load(), segmentation, labelling.title, parameters)
-    return found
+@check("objective-keeps-shapes-apart", kinds=["objective"])
+def _keeps_shapes_apart(subject: Subject) -> None:
+    """A cache of one's own that confuses two shapes gives the second the values of the first."""
+    second = mapped(lump(), np.diag([1.7, 0.8, 1.2]), name="lump")
+    unseen = replace(second, name="a shape never seen before")
+    _, after, fresh = (
+        values_on(Trial(subject=subject), shape, among=SLICED) for shape in (lump(), second, unseen)
+    )
+    expect_same(
+        fresh,
+        after,
+        did="it was asked about a shape, under a new name and under that of another shape",
+        fix="keep no values of your own; what is worth keeping is a measure, which the core"
+        " remembers: part.measure('bundle:name')",
+    )
 
 
 # -- Evaluated as the core does ---------------------------------------------------------------
 
 
-def _evaluator(subject: Subject, *, remember: bool) -> ProblemEvaluator:
+def _evaluator(subject: Subject, *, memo: Memo | None = None) -> ProblemEvaluator:
     """A problem of three labels whose only term is the objective, on the lump.
 
     Raises
@@ -234,31 +183,22 @@ def _evaluator(subject: Subject, *, remember: bool) -> ProblemEvaluator:
         The objective takes more parts.
     """
     target: Objective = subject.load()
-    traits = target.traits
-    most = 3 if traits.arity == "unary" or traits.most is None else traits.most
-    if traits.least > 3:
-        raise Skip(f"it takes {traits.least} parts")
-    said = [f"{key}={float(value):g}" for key, value in required_values(declared(subject)).items()]
-    labels = [] if traits.arity == "global" else list(LABELS[:most])
-    inside = ", ".join([*labels, *said])
-    problem = Problem(
-        LABELS,
+    if target.traits.least > 3:
+        raise Skip(f"it takes {target.traits.least} parts")
+    count = {"unary": 3, "global": 0}.get(target.traits.arity, most_of(target, 3))
+    values = [f"{key}={float(value):g}" for key, value in required(subject).items()]
+    inside = ", ".join([*labels_of(count), *values])
+    return evaluator_on(
+        lump(),
+        3,
         f"tested({inside})" if inside else "tested",
         objectives={"tested": target},
-        registry=subject.registry,
+        source=subject.registry,
+        memo=Memo() if memo is None else memo,
     )
-    shape = specimen("lump")
-    memo = Memo() if remember else Memo(size=0)
-    return ProblemEvaluator(shape, problem, voronoi(shape, 3), memo=memo)
 
 
-def _candidates(count: int) -> FloatArray:
-    """(count, 12) float: vectors of three centres on the lump."""
-    shape = specimen("lump")
-    return vectors_of(voronoi(shape, 3), shape, count=count, seed=1)
-
-
-def _one_by_one(evaluator: ProblemEvaluator, vectors: FloatArray) -> list[Cost]:
+def _one_by_one(evaluator: ProblemEvaluator, candidates: FloatArray) -> list[Cost]:
     """Costs of vectors, evaluated one after the other.
 
     Raises
@@ -267,47 +207,38 @@ def _one_by_one(evaluator: ProblemEvaluator, vectors: FloatArray) -> list[Cost]:
         The objective fails on one of them; other checks say how.
     """
     try:
-        return [evaluator.evaluate(vector).cost for vector in vectors]
+        return [evaluator.evaluate(vector).cost for vector in candidates]
     except MosegError as error:
         raise Skip(f"it cannot be evaluated: {error}") from error
 
 
-@check(
-    "objective-memo-equals-fresh",
-    kinds=["objective"],
-    why="a value that was remembered must be the one that would be computed",
-)
-def memo_equals_fresh(subject: Subject) -> None:
-    """Asked again, the value is the one of the first time, remembered or not."""
-    vectors = np.tile(_candidates(3), (2, 1))
-    fresh = _one_by_one(_evaluator(subject, remember=False), vectors)
-    remembered = _one_by_one(_evaluator(subject, remember=True), vectors)
-    _must_equal(fresh, remembered, "twice, with values remembered and without")
+@check("objective-memo-equals-fresh", kinds=["objective"])
+def _memo_equals_fresh(subject: Subject) -> None:
+    """A value that was remembered must be the one that would be computed."""
+    with_memo, without = _evaluator(subject), _evaluator(subject, memo=Memo(size=0))
+    candidates = np.tile(vectors(with_memo, 3), (2, 1))
+    fresh, remembered = _one_by_one(without, candidates), _one_by_one(with_memo, candidates)
+    _expect_same_costs(fresh, remembered, "twice, with values remembered and without")
 
 
-@check(
-    "objective-batch-equals-loop",
-    kinds=["objective"],
-    why="optimizers ask for many candidates at a time, and must get what they get one by one",
-)
-def batch_equals_loop(subject: Subject) -> None:
-    """Evaluated as a batch, candidates cost the same; the best is the best."""
-    vectors = _candidates(8)
-    alone = [_one_by_one(_evaluator(subject, remember=True), v[None])[0] for v in vectors]
-    evaluator = _evaluator(subject, remember=True)
-    together = evaluator.costs(Batch(vectors=np.concatenate([vectors, vectors[:3]])))
-    _must_equal([*alone, *alone[:3]], together, "one by one, and as a batch")
-    hurried = evaluator.costs(Batch(vectors=vectors, best_only=True))
-    _must_equal([min(alone)], [min(hurried)], "one by one, and as a batch of which the best counts")
+@check("objective-batch-equals-loop", kinds=["objective"])
+def _batch_equals_loop(subject: Subject) -> None:
+    """Optimizers ask for many candidates at a time, and must get what they get one by one."""
+    evaluator = _evaluator(subject)
+    candidates = vectors(evaluator, 8)
+    alone = [_one_by_one(_evaluator(subject), vector[None])[0] for vector in candidates]
+    together = evaluator.costs(Batch(vectors=np.concatenate([candidates, candidates[:3]])))
+    _expect_same_costs([*alone, *alone[:3]], together, "one by one, and as a batch")
+    hurried = evaluator.costs(Batch(vectors=candidates, best_only=True))
+    _expect_same_costs(
+        [min(alone)], [min(hurried)], "one by one, and as a batch of which the best counts"
+    )
 
 
-def _must_equal(first: list[Cost], second: list[Cost], how: str) -> None:
-    for k, (a, b) in enumerate(zip(first, second, strict=True)):
-        if a.empty != b.empty or not same(a.value, b.value, tolerance=1e-9):
-            raise ContractFailure(
-                did=f"segmentations of the lump were evaluated {how} (candidate {k})",
-                got=f"{a.value} and then {b.value}",
-                expected="the same",
-                fix="let the value depend on the parts and the parameters alone: count no calls,"
-                " keep nothing from one to the next",
-            )
+def _expect_same_costs(first: list[Cost], second: list[Cost], how: str) -> None:
+    expect_same(
+        *({f"candidate {k}": tuple(cost) for k, cost in enumerate(run)} for run in (first, second)),
+        did=f"segmentations of the lump were evaluated {how}",
+        fix="let the value depend on the parts and the parameters alone: count no calls, keep"
+        " nothing from one to the next",
+    )

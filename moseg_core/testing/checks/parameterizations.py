@@ -2,7 +2,7 @@
 
 The search knows nothing of a segmentation but its vector. It moves along coordinates, wherever
 the bounds let it, and so meets centres far away, on top of each other and of all weights; seeders
-and labelers encode, decode and permute. What they rely on is checked here, on a pebble whose
+and labelers encode, decode and permute. What they rely on is checked here, on a lump whose
 elements touch and on a cloud of which nobody knows which do.
 """
 
@@ -17,59 +17,28 @@ from scipy.sparse import csgraph
 from moseg_core.components.protocols import Centers, ClippableParameterization, Parameterization
 from moseg_core.shape.shape import Shape
 from moseg_core.testing.check import ContractFailure, Skip, Subject, check
-from moseg_core.testing.fixtures.problems import as_numbers, dots, horseshoe, pebble, unlike
-from moseg_core.testing.fixtures.trial import values_for
+from moseg_core.testing.fixtures.comparison import as_numbers, expect_equal, unlike
+from moseg_core.testing.fixtures.problems import encoded, placed, within
+from moseg_core.testing.fixtures.shapes import cloud, horseshoe, lump, reordered
+from moseg_core.testing.fixtures.trial import made
 from moseg_core.types import FloatArray, Int32Array
 
-_FAR = 1e3
 _CLOSE = 1e-9
 
 
-def _made(subject: Subject, shape: Shape, n: int) -> Parameterization:
-    given = values_for(subject, shape, n)
-    made: Parameterization = subject.load()(shape, n, **given)
-    return made
-
-
-def _stages(subject: Subject) -> Iterator[tuple[str, Shape, Parameterization]]:
-    for shape, n in ((pebble(), 1), (pebble(), 4), (dots(), 3)):
-        yield f"{n} parts of the {shape.name}", shape, _made(subject, shape, n)
-
-
-def within(lower: FloatArray, upper: FloatArray, scale: FloatArray, count: int) -> FloatArray:
-    """(count, m) float: vectors anywhere between the bounds, near the middle and far away.
-
-    Where a coordinate is unbounded, they go up to one step, or a thousand, from 0 or from its
-    only bound. The last is as near to the lower bounds, or as far down, as can be.
-    """
-    rng = np.random.default_rng(2)
-    found = []
-    for reach in np.where(np.arange(count) % 3 == 2, _FAR, 1.0):
-        size = reach * scale
-        low = np.where(np.isfinite(lower), lower, np.where(np.isfinite(upper), upper, 0.0) - size)
-        high = np.where(np.isfinite(upper), upper, np.where(np.isfinite(lower), lower, 0.0) + size)
-        found.append(rng.uniform(low, high))
-    found[-1] = np.where(np.isfinite(lower), lower, low)
-    return np.array(found)
-
-
-def _placed(shape: Shape, n: int, seed: int) -> Centers:
-    rng = np.random.default_rng(seed)
-    chosen = shape.points[rng.choice(shape.n_elements, n, replace=False)]
-    return Centers(positions=chosen, weights=rng.uniform(0.8, 1.25, n))
+def _partitions(subject: Subject) -> Iterator[tuple[str, Shape, Parameterization]]:
+    for shape, n in ((lump(), 1), (lump(), 4), (cloud(), 3)):
+        yield f"{n} parts of the {shape.name}", shape, made(subject, shape, n)
 
 
 def _labels(partition: Parameterization, vectors: FloatArray) -> Int32Array:
     return np.asarray(partition.labels(vectors))
 
 
-@check(
-    "parameterization-bounds",
-    kinds=["parameterization"],
-    why="the search steps along coordinates within the bounds; without them it cannot begin",
-)
+@check("parameterization-bounds", kinds=["parameterization"])
 def _bounds(subject: Subject) -> None:
-    for what, _, partition in _stages(subject):
+    """The search steps along coordinates within the bounds; without them it cannot begin."""
+    for what, _, partition in _partitions(subject):
         lower, upper, scale = (
             as_numbers(getattr(partition, name)) for name in ("lower", "upper", "scale")
         )
@@ -91,19 +60,16 @@ def _bounds(subject: Subject) -> None:
             )
 
 
-@check(
-    "parameterization-labels",
-    kinds=["parameterization"],
-    why="the search may step anywhere within the bounds, and needs a whole segmentation there",
-)
+@check("parameterization-labels", kinds=["parameterization"])
 def _one_label_each(subject: Subject) -> None:
-    for what, shape, partition in _stages(subject):
-        tried = within(partition.lower, partition.upper, partition.scale, 12)
-        # Centres on top of each other, as a seeder may place them.
-        same = _placed(shape, 1, seed=0)
+    """The search may step anywhere within the bounds, and needs a whole segmentation there."""
+    for what, shape, partition in _partitions(subject):
         n = partition.n_parts
-        together = Centers(positions=np.repeat(same.positions, n, axis=0), weights=np.ones(n))
-        tried = np.vstack([tried, partition.encode(together)[None]])
+        # Centres on top of each other, as a seeder may place them.
+        one_place = np.repeat(placed(shape, 1, seed=0).positions, n, axis=0)
+        together = partition.encode(Centers(positions=one_place, weights=np.ones(n)))
+        anywhere = within(partition.lower, partition.upper, partition.scale, 12)
+        tried = np.vstack([anywhere, together[None]])
         labels = _labels(partition, tried)
         expected = (len(tried), shape.n_elements)
         if labels.shape != expected or labels.dtype != np.int32:
@@ -124,33 +90,26 @@ def _one_label_each(subject: Subject) -> None:
             )
 
 
-@check(
-    "parameterization-batch",
-    kinds=["parameterization"],
-    why="candidates come in batches of any size; a result must not depend on its company",
-)
+@check("parameterization-batch", kinds=["parameterization"])
 def _batch(subject: Subject) -> None:
-    for what, shape, partition in _stages(subject):
-        tried = np.array([partition.encode(_placed(shape, partition.n_parts, k)) for k in range(6)])
-        together = _labels(partition, tried)
-        alone = np.vstack([_labels(partition, vector[None]) for vector in tried])
-        if unlike(together, alone) is not None:
-            raise ContractFailure(
-                did=f"labels() was called with 6 vectors for {what}, and with each alone",
-                got="other labels",
-                expected="the same, row by row",
-                fix="let a row depend on nothing but its own vector",
-            )
+    """Candidates come in batches of any size; a result must not depend on its company."""
+    for what, shape, partition in _partitions(subject):
+        tried = encoded(partition, shape, *range(6))
+        expect_equal(
+            _labels(partition, tried),
+            np.vstack([_labels(partition, vector[None]) for vector in tried]),
+            did=f"labels() was called with 6 vectors for {what}, and with each alone",
+            got="other labels",
+            expected="the same, row by row",
+            fix="let a row depend on nothing but its own vector",
+        )
 
 
-@check(
-    "parameterization-encode-decode",
-    kinds=["parameterization"],
-    why="seeders place centres and users see them; both go through encode() and decode()",
-)
+@check("parameterization-encode-decode", kinds=["parameterization"])
 def _encode_decode(subject: Subject) -> None:
-    for what, shape, partition in _stages(subject):
-        meant = _placed(shape, partition.n_parts, 5)
+    """Seeders place centres and users see them; both go through encode() and decode()."""
+    for what, shape, partition in _partitions(subject):
+        meant = placed(shape, partition.n_parts, 5)
         vector = as_numbers(partition.encode(meant))
         lower, upper = partition.lower, partition.upper
         if vector.shape != lower.shape or not ((vector >= lower) & (vector <= upper)).all():
@@ -165,11 +124,9 @@ def _encode_decode(subject: Subject) -> None:
         moved = unlike(back.positions, meant.positions, tolerance=_CLOSE * shape.frame.scale)
         again = unlike(partition.encode(back), vector, tolerance=_CLOSE)
         weights = as_numbers(back.weights)
-        ratio = weights / meant.weights
         # A family may do without weights: then all are equal.
-        kept = (
-            weights.shape == (partition.n_parts,) and min(np.ptp(ratio), np.ptp(weights)) < _CLOSE
-        )
+        spread = min(np.ptp(weights / meant.weights), np.ptp(weights))
+        kept = weights.shape == (partition.n_parts,) and spread < _CLOSE
         if moved is not None or again is not None or not kept:
             raise ContractFailure(
                 did=f"centres were encoded and decoded for {what}",
@@ -181,26 +138,17 @@ def _encode_decode(subject: Subject) -> None:
             )
 
 
-@check(
-    "parameterization-element-order",
-    kinds=["parameterization"],
-    why="files list the same faces in any order; the parts must not depend on it",
-)
+@check("parameterization-element-order", kinds=["parameterization"])
 def _element_order(subject: Subject) -> None:
-    order = np.random.default_rng(11).permutation(pebble().n_elements)
-    shuffled = np.random.default_rng(12).permutation(dots().n_elements)
-    pairs = [
-        (4, pebble(), pebble(order=order), order),
-        (3, dots(), dots(order=shuffled), shuffled),
-    ]
-    for n, shape, other, places in pairs:
-        first, second = _made(subject, shape, n), _made(subject, other, n)
+    """Files list the same faces in any order; the parts must not depend on it."""
+    for shape, n in ((lump(), 4), (cloud(), 3)):
+        other, order = reordered(shape)
+        first, second = made(subject, shape, n), made(subject, other, n)
         for seed in range(4):
-            centers = _placed(shape, n, seed)
+            centers = placed(shape, n, seed)
             labels = _labels(first, first.encode(centers)[None])[0]
             found = _labels(second, second.encode(centers)[None])[0]
-            wrong = int((labels[places] != found).sum())
-            if wrong:
+            if wrong := int((labels[order] != found).sum()):
                 raise ContractFailure(
                     did=f"the {shape.name} was cut into {n} parts, and again with its elements in"
                     " another order",
@@ -210,27 +158,22 @@ def _element_order(subject: Subject) -> None:
                 )
 
 
-@check(
-    "parameterization-connected",
-    kinds=["parameterization"],
-    why="where it says that parts are connected, objectives and users rely on it",
-)
+@check("parameterization-connected", kinds=["parameterization"])
 def _connected(subject: Subject) -> None:
-    shape, n = horseshoe(), 4
-    partition = _made(subject, shape, n)
+    """Where it says that parts are connected, objectives and users rely on it."""
+    shape = horseshoe()
+    partition = made(subject, shape, 4)
     if not getattr(partition, "connected", False):
         raise Skip("it does not say that its parts are connected")
-    placed = [partition.encode(_placed(shape, n, seed)) for seed in range(20)]
-    tried = np.vstack([within(partition.lower, partition.upper, partition.scale, 20), placed])
+    anywhere = within(partition.lower, partition.upper, partition.scale, 20)
+    tried = np.vstack([anywhere, encoded(partition, shape, *range(20))])
     assert shape.adjacency is not None  # it is a mesh
     a, b = shape.adjacency.pairs.T
     for vector, labels in zip(tried, _labels(partition, tried), strict=True):
         kept = labels[a] == labels[b]
-        graph = sparse.coo_array(
-            (np.ones(kept.sum()), (a[kept], b[kept])), shape=(len(labels), len(labels))
-        )
-        pieces = csgraph.connected_components(graph)[0]
-        parts = len(np.unique(labels))
+        size = (len(labels), len(labels))
+        graph = sparse.coo_array((np.ones(kept.sum()), (a[kept], b[kept])), shape=size)
+        pieces, parts = csgraph.connected_components(graph)[0], len(np.unique(labels))
         if pieces != parts:
             raise ContractFailure(
                 did=f"a horseshoe in one piece was cut by the vector {vector.round(3).tolist()}",
@@ -240,20 +183,15 @@ def _connected(subject: Subject) -> None:
             )
 
 
-@check(
-    "parameterization-permute",
-    kinds=["parameterization"],
-    why="labelers say which centre gets which label; permute() is how they are obeyed",
-)
+@check("parameterization-permute", kinds=["parameterization"])
 def _permute(subject: Subject) -> None:
-    for what, shape, partition in _stages(subject):
-        n = partition.n_parts
-        order = np.roll(np.arange(n), 1)
-        vector = partition.encode(_placed(shape, n, 3))
-        turned = partition.permute(vector, order)
-        before, after = (_labels(partition, v[None])[0] for v in (vector, turned))
-        wrong = int((order[after] != before).sum())
-        if wrong:
+    """Labelers say which centre gets which label; permute() is how they are obeyed."""
+    for what, shape, partition in _partitions(subject):
+        order = np.roll(np.arange(partition.n_parts), 1)
+        vector = encoded(partition, shape, 3)
+        turned = partition.permute(vector[0], order)
+        before, after = _labels(partition, vector)[0], _labels(partition, turned[None])[0]
+        if wrong := int((order[after] != before).sum()):
             raise ContractFailure(
                 did=f"a vector for {what} was permuted by {order.tolist()}",
                 got=f"{wrong} elements in a part that they were not in",
@@ -262,16 +200,13 @@ def _permute(subject: Subject) -> None:
             )
 
 
-@check(
-    "parameterization-coordinates",
-    kinds=["parameterization"],
-    why="a part is frozen, or follows others, by its coordinates; those of others must be free",
-)
+@check("parameterization-coordinates", kinds=["parameterization"])
 def _coordinates(subject: Subject) -> None:
-    for what, shape, partition in _stages(subject):
-        n, size = partition.n_parts, len(partition.lower)
-        vector, other = (partition.encode(_placed(shape, n, k)) for k in (6, 7))
-        for part in range(n):
+    """A part is frozen, or follows others, by its coordinates; those of others must be free."""
+    for what, shape, partition in _partitions(subject):
+        size = len(partition.lower)
+        vector, other = encoded(partition, shape, 6, 7)
+        for part in range(partition.n_parts):
             own = np.asarray(partition.coordinates(part))
             mixed = other.copy()
             legal = np.issubdtype(own.dtype, np.integer) and own.ndim == 1 and own.size > 0
@@ -288,18 +223,14 @@ def _coordinates(subject: Subject) -> None:
             )
 
 
-@check(
-    "parameterization-distances",
-    kinds=["parameterization"],
-    why="boundaries are moved off the elements by distances; they must agree with the labels",
-)
+@check("parameterization-distances", kinds=["parameterization"])
 def _distances(subject: Subject) -> None:
-    shape, n = dots(), 3
-    partition = _made(subject, shape, n)
+    """Boundaries are moved off the elements by distances; they must agree with the labels."""
+    shape, n = cloud(), 3
+    partition = made(subject, shape, n)
     if not isinstance(partition, ClippableParameterization):
         raise Skip("it does not say how far points are from its parts")
-    for seed in range(4):
-        vector = partition.encode(_placed(shape, n, seed))
+    for vector in encoded(partition, shape, *range(4)):
         distances = as_numbers(partition.distances(vector, shape.points))
         expected = (shape.n_elements, n)
         if distances.shape != expected or not np.isfinite(distances).all():
@@ -310,8 +241,7 @@ def _distances(subject: Subject) -> None:
                 expected=f"finite numbers of shape {expected}, a row per point",
                 fix="return how far each point, in model units, is from each part",
             )
-        nearest = distances.argmin(axis=1)
-        wrong = int((nearest != _labels(partition, vector[None])[0]).sum())
+        wrong = int((distances.argmin(axis=1) != _labels(partition, vector[None])[0]).sum())
         if wrong:
             raise ContractFailure(
                 did="labels of a cloud's points were compared with the least of their distances",

@@ -22,43 +22,28 @@ import numpy as np
 
 from moseg_core.components.discovery.registry import describe
 from moseg_core.testing.check import ContractFailure, Subject, check
+from moseg_core.testing.fixtures.comparison import (
+    Answers,
+    Raised,
+    attempt,
+    expect_no_error,
+    expect_same,
+)
 from moseg_core.testing.fixtures.drivers import drive, run
-from moseg_core.testing.fixtures.trial import DRIVEN, Raised, Result, Trial, difference
+from moseg_core.testing.fixtures.trial import DRIVEN, Trial
 from moseg_core.testing.processes.other_hash_seed import ChildError, drive_elsewhere
 
-#: What differs by less differs by rounding.
-ROUNDING = 1e-9
 
-
-def baseline(subject: Subject) -> Result:
+def baseline(subject: Subject) -> Answers:
     """What comes of the component, once for all checks that compare with it."""
-    result: Result = subject.keep("baseline", lambda: drive(subject))
+    result: Answers = subject.keep("baseline", lambda: drive(subject))
     return result
 
 
-def compare(first: Result, second: Result, *, did: str, expected: str, fix: str) -> None:
-    """Complain where two results differ by more than rounding."""
-    if found := difference(first, second, tolerance=ROUNDING):
-        raise ContractFailure(did=did, got=found, expected=expected, fix=fix)
-
-
-def complain_of_errors(found: Result, *, did: str, excused: bool, fix: str) -> None:
-    """Complain where a result is an error, but for moseg's own where those are excused."""
-    for title, value in found.items():
-        if isinstance(value, Raised) and not (excused and value.excused):
-            raise ContractFailure(
-                did=f"{did} ({title})", got=str(value), expected="a result", fix=fix
-            )
-
-
-@check(
-    "runs-on-the-zoo",
-    kinds=tuple(kind for kind in DRIVEN if kind != "objective"),
-    why="shapes are open, flat, scattered or single faces, and a search must not end on one",
-)
-def runs_on_the_zoo(subject: Subject) -> None:
-    """It raises on none of the shapes; an embedding or a constraint may refuse one."""
-    complain_of_errors(
+@check("runs-on-the-zoo", kinds=tuple(kind for kind in DRIVEN if kind != "objective"))
+def _runs_on_the_zoo(subject: Subject) -> None:
+    """Shapes are open, flat, scattered or single faces, and a search must not end on one."""
+    expect_no_error(
         baseline(subject),
         did="it was run on a small shape",
         excused=subject.component.kind in ("embedding", "constraint"),
@@ -66,13 +51,9 @@ def runs_on_the_zoo(subject: Subject) -> None:
     )
 
 
-@check(
-    "pickles",
-    kinds=DRIVEN,
-    why="runs are interrupted and resumed, and shared among processes, as pickles",
-)
-def pickles(subject: Subject) -> None:
-    """Pickled and back it does the same."""
+@check("pickles", kinds=DRIVEN)
+def _pickles(subject: Subject) -> None:
+    """Runs are interrupted and resumed, and shared among processes, as pickles."""
 
     def packed(made: Any) -> Any:
         try:
@@ -86,22 +67,17 @@ def pickles(subject: Subject) -> None:
                 " decorated function keep its module and name",
             ) from error
 
-    compare(
+    expect_same(
         baseline(subject),
         drive(subject, through=packed),
         did="it was run as it is, and after it was pickled and unpickled",
-        expected="the same",
         fix="let its pickled state hold everything that it works with",
     )
 
 
-@check(
-    "inputs-untouched",
-    kinds=DRIVEN,
-    why="arrays are shared by all components and remembered; a change shows up elsewhere",
-)
-def inputs_untouched(subject: Subject) -> None:
-    """It changes no array that it is handed, and takes read-only ones."""
+@check("inputs-untouched", kinds=DRIVEN)
+def _inputs_untouched(subject: Subject) -> None:
+    """Arrays are shared by all components and remembered; a change shows up elsewhere."""
     for read_only in (False, True):
         trial = Trial(subject=subject, read_only=read_only)
         found = run(trial)
@@ -112,22 +88,17 @@ def inputs_untouched(subject: Subject) -> None:
                 expected="the contents from before",
                 fix="work on a copy: array.copy()",
             )
-        compare(
+        expect_same(
             baseline(subject),
             found,
             did=f"it was given {'read-only' if read_only else 'writable'} arrays",
-            expected="the same as before",
             fix="work on a copy: array.copy()",
         )
 
 
-@check(
-    "same-in-every-process",
-    kinds=DRIVEN,
-    why="a run must come out the same tomorrow; the order of sets and hashes of texts does not",
-)
-def same_in_every_process(subject: Subject) -> None:
-    """Two processes with different PYTHONHASHSEED give the same."""
+@check("same-in-every-process", kinds=DRIVEN)
+def _same_in_every_process(subject: Subject) -> None:
+    """A run must come out the same tomorrow; the order of sets and hashes of texts does not."""
     baseline(subject)  # skips where it cannot be run
     results = []
     for hash_seed in (1, 2):
@@ -140,22 +111,17 @@ def same_in_every_process(subject: Subject) -> None:
                 expected="what it gives in this one",
                 fix="let it depend on nothing but its module and its inputs",
             ) from error
-    compare(
+    expect_same(
         *results,
         did="it was run in two processes, with PYTHONHASHSEED=1 and 2",
-        expected="the same",
         fix="sort what comes out of a set; use no hash() and no id(); draw random numbers only"
         " from the generator that is handed over",
     )
 
 
-@check(
-    "random-state-untouched",
-    kinds=DRIVEN,
-    why="who seeds the global generators must not have them moved by a component",
-)
-def random_state_untouched(subject: Subject) -> None:
-    """The generators of numpy and of Python are as they were."""
+@check("random-state-untouched", kinds=DRIVEN)
+def _random_state_untouched(subject: Subject) -> None:
+    """Who seeds the global generators must not have them moved by a component."""
     baseline(subject)
     before = _random_states()
     drive(subject)
@@ -176,17 +142,13 @@ def _random_states() -> dict[str, str]:
     }
 
 
-@check(
-    "silent",
-    kinds=DRIVEN,
-    why="it is called some ten thousand times a run, and standard output may be a pipe",
-)
-def silent(subject: Subject) -> None:
-    """Nothing is printed, and no warning is issued."""
+@check("silent", kinds=DRIVEN)
+def _silent(subject: Subject) -> None:
+    """It is called some ten thousand times a run, and standard output may be a pipe."""
     baseline(subject)  # what is imported on first use may say what it likes
-    with _listening() as said:
+    with _listening() as heard:
         drive(subject)
-    for where, text in said.items():
+    for where, text in heard.items():
         if text:
             raise ContractFailure(
                 did=f"it was run, and {where} was listened to",
@@ -200,7 +162,7 @@ def silent(subject: Subject) -> None:
 @contextmanager
 def _listening() -> Iterator[dict[str, str]]:
     """Texts that go to standard output and error, below Python too, and warnings."""
-    said: dict[str, str] = {}
+    heard: dict[str, str] = {}
     with tempfile.TemporaryFile("w+b") as out, tempfile.TemporaryFile("w+b") as err:
         files = {1: out, 2: err}
         sys.stdout.flush()
@@ -216,7 +178,7 @@ def _listening() -> Iterator[dict[str, str]]:
                 warnings.catch_warnings(record=True) as warned,
             ):
                 warnings.simplefilter("always")
-                yield said
+                yield heard
         finally:
             for number, original in kept.items():
                 texts[number].close()
@@ -224,44 +186,37 @@ def _listening() -> Iterator[dict[str, str]]:
                 os.close(original)
             for number, name in ((1, "standard output"), (2, "standard error")):
                 files[number].seek(0)
-                said[name] = files[number].read().decode(errors="replace")
+                heard[name] = files[number].read().decode(errors="replace")
     shown = [w for w in warned if not issubclass(w.category, _FOR_DEVELOPERS)]
-    said["warnings"] = "; ".join(f"{w.category.__name__}: {w.message}" for w in shown)
+    heard["warnings"] = "; ".join(f"{w.category.__name__}: {w.message}" for w in shown)
 
 
 _FOR_DEVELOPERS = (DeprecationWarning, PendingDeprecationWarning, ImportWarning, ResourceWarning)
 """Warnings that Python does not show to users."""
 
 
-@check(
-    "usable-from-two-threads",
-    kinds=DRIVEN,
-    why="a program that embeds moseg may segment two shapes at a time",
-)
-def usable_from_two_threads(subject: Subject) -> None:
-    """Two threads at once, on different shapes, get what one gets alone."""
-    results: dict[bool, Any] = {}
+@check("usable-from-two-threads", kinds=DRIVEN)
+def _usable_from_two_threads(subject: Subject) -> None:
+    """A program that embeds moseg may segment two shapes at a time."""
+    alone = baseline(subject)
+    found: dict[bool, Answers] = {}
     start = threading.Barrier(2)
 
     def work(backwards: bool) -> None:
         start.wait()
-        try:
-            results[backwards] = drive(subject, backwards=backwards)
-        except Exception as error:  # noqa: BLE001  # a stranger's component may raise anything
-            results[backwards] = {"all": Raised(describe(error))}
+        answers = attempt(drive, subject, backwards=backwards)
+        found[backwards] = {"all": answers} if isinstance(answers, Raised) else answers
 
-    alone = baseline(subject)
     threads = [threading.Thread(target=work, args=(backwards,)) for backwards in (False, True)]
     for thread in threads:
         thread.start()
     for thread in threads:
         thread.join()
-    for backwards in (False, True):
-        compare(
+    for answers in found.values():
+        expect_same(
             alone,
-            results[backwards],
+            answers,
             did="it was run alone, and on two threads at the same time",
-            expected="the same",
             fix="keep nothing of a call outside of it: no globals, no attributes that one call"
             " writes and reads again",
         )

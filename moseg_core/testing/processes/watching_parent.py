@@ -1,9 +1,10 @@
-"""Checking a bundle from outside: a process of its own, ended when it takes forever.
+"""The parent of the child that runs the checks: ends a child that hangs, and starts another.
 
 A component may never return, or take its process with it. So the checks run in a child
-(:mod:`moseg_core.testing.processes.reporting_child`), which tells when it begins one and how it
-ended. One that takes too long, or in which the child dies, has failed; the rest goes on in another
-child, without the other checks of that component, since they would likely end the same way.
+(:mod:`moseg_core.testing.processes.reporting_child`), which reports when a check begins and how it
+ended. A check that takes too long, or in which the child dies, has failed; the rest goes on in
+another child, without the other checks of that component, since they would likely end the same
+way.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ from moseg_core.testing.run import Outcome
 
 _CHILD = (sys.executable, "-m", "moseg_core.testing.processes.reporting_child")
 
-#: How long a child that is to be ended may take to write down where it is.
+#: How long a child that is to be ended may take to write which function is running.
 _LAST_WORDS = 1.0
 
 #: How many bytes of what a child printed are looked at.
@@ -38,7 +39,7 @@ Announce = Callable[[int, int, str], None]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Report:
+class BundleReport:
     """What the checks of a bundle came to.
 
     Parameters
@@ -66,7 +67,7 @@ def watch_checks(
     timeout: float = 60.0,
     report: Announce | None = None,
     command: Sequence[str] = _CHILD,
-) -> Report:
+) -> BundleReport:
     """Run all checks on a bundle, whatever its components do.
 
     Parameters
@@ -76,14 +77,14 @@ def watch_checks(
     timeout : float, seconds
         The longest that a check may take, and that the bundle may take to be imported.
     report : callable, optional
-        Told before each check how many are done, how many there are, and which is next.
+        Called before each check with how many are done, how many there are, and which is next.
     command : sequence of str
-        What runs the checks; a process that tells what
+        What runs the checks; a process that reports as
         :mod:`moseg_core.testing.processes.reporting_child` does.
 
     Returns
     -------
-    Report
+    BundleReport
 
     Raises
     ------
@@ -100,26 +101,26 @@ def watch_checks(
     while cases is None or len(found) < len(cases):
         running: int | None = None
         with _Child(bundle, command, timeout, leave_out=sorted(found)) as child:
-            for said in child.lines():
-                if said["event"] == "refused":
-                    kind = UsageError if said["code"] == UsageError.exit_code else PluginError
-                    raise kind(said["message"])
-                if said["event"] == "cases":
-                    cases, distribution = said["cases"], said["distribution"]
-                elif said["event"] == "start":
-                    running = said["case"]
+            for event in child.events():
+                if event["event"] == "refused":
+                    kind = UsageError if event["code"] == UsageError.exit_code else PluginError
+                    raise kind(event["message"])
+                if event["event"] == "cases":
+                    cases, distribution = event["cases"], event["distribution"]
+                elif event["event"] == "start":
+                    running = event["case"]
                     if report is not None and cases is not None:
-                        report(len(found), len(cases), " ".join(cases[said["case"]]))
+                        report(len(found), len(cases), " ".join(cases[event["case"]]))
                 elif cases is not None:
-                    component, check = cases[said["case"]]
-                    kept = {key: said[key] for key in ("status", "message", "fix")}
-                    found[said["case"]] = Outcome(component=component, check=check, **kept)
+                    component, check = cases[event["case"]]
+                    kept = {key: event[key] for key in ("status", "message", "fix")}
+                    found[event["case"]] = Outcome(component=component, check=check, **kept)
                     running = None
         if cases is None or (running is None and len(found) < len(cases)):
             raise PluginError(f"bundle '{bundle}' cannot be checked: its process {child.ending}")
         if running is not None:
             found |= _ended(cases, running, child)
-    return Report(
+    return BundleReport(
         bundle=bundle,
         distribution=distribution,
         outcomes=tuple(found[number] for number in range(len(cases))),
@@ -146,7 +147,7 @@ def _ended(cases: list[list[str]], running: int, child: _Child) -> dict[int, Out
 
 
 class _Child:
-    """A process that tells of its checks.
+    """A process that runs checks and reports them.
 
     Attributes
     ----------
@@ -184,8 +185,8 @@ class _Child:
         os.close(self._pipe)
         self._output.close()
 
-    def lines(self) -> Iterator[dict[str, Any]]:
-        """What it tells, until it ends or says nothing for too long."""
+    def events(self) -> Iterator[dict[str, Any]]:
+        """What the child reports, until it ends or is silent for too long."""
         waiting = b""
         while True:
             if not select.select([self._pipe], [], [], self._timeout)[0]:
@@ -205,12 +206,12 @@ class _Child:
             self.ending = f"ended with exit code {code}{self._last_words()}"
 
     def _where(self) -> str:
-        """The function that it is in, where it can still say so."""
+        """The function that is running, where the child can still say so."""
         os.kill(self._process.pid, signal.SIGUSR1)
         end = time.monotonic() + _LAST_WORDS
         while time.monotonic() < end:
-            told = self._told().rpartition("(most recent call first):")[2]
-            innermost = re.search(r'File "(.*)", line (\d+) in (\S+)\n', told)
+            stack = self._printed().rpartition("(most recent call first):")[2]
+            innermost = re.search(r'File "(.*)", line (\d+) in (\S+)\n', stack)
             if innermost:
                 path, line, function = innermost.groups()
                 return f", in '{function}' ({path}, line {line})"
@@ -218,12 +219,12 @@ class _Child:
         return ""
 
     def _last_words(self) -> str:
-        """The last line that it printed."""
-        lines = self._told().strip().splitlines()
+        """The last line that was printed."""
+        lines = self._printed().strip().splitlines()
         return f": {lines[-1].strip()}" if lines else ""
 
-    def _told(self) -> str:
-        """The end of what it printed; read so that it can go on printing."""
+    def _printed(self) -> str:
+        """The end of what was printed; read so that the child can go on printing."""
         handle = self._output.fileno()
         length = os.fstat(handle).st_size
         return os.pread(handle, _TAIL, max(0, length - _TAIL)).decode("utf-8", "replace")

@@ -1,4 +1,4 @@
-"""Processes that hang, die and speak out of turn, and what is said of them."""
+"""Processes that hang, die and speak out of turn, and what is reported of them."""
 
 from __future__ import annotations
 
@@ -16,22 +16,22 @@ import faulthandler, json, os, signal, sys, time
 faulthandler.register(signal.SIGUSR1, all_threads=False)
 bundle, _, pipe, _, numbers = sys.argv[1:]
 pipe = os.fdopen(int(pipe), "w")
-def tell(**said): print(json.dumps(said), file=pipe, flush=True)
+def write(**fields): print(json.dumps(fields), file=pipe, flush=True)
 def endless():
     print("still here")
     while True: time.sleep(0.05)
 def second():
     {second}
 BEFORE
-tell(event="cases", distribution="acme 1.0", cases=[
+write(event="cases", distribution="acme 1.0", cases=[
     [f"{{bundle}}:one", "first"], [f"{{bundle}}:two", "first"], [f"{{bundle}}:two", "second"],
     [f"{{bundle}}:three", "first"], [f"{{bundle}}:three", "second"]])
 for number in range(5):
     if str(number) in numbers.split(","): continue
-    tell(event="start", case=number)
+    write(event="start", case=number)
     print("noise")
     if number == 1: second()
-    tell(event="outcome", case=number, status="passed", message="", fix="")
+    write(event="outcome", case=number, status="passed", message="", fix="")
 """
 
 
@@ -42,11 +42,11 @@ def watched(second: str, *, before: str = "", timeout: float = 60.0, report=None
 
 
 def test_all_is_well():
-    told = []
-    report = watched("pass", report=lambda *said: told.append(said))
+    calls = []
+    report = watched("pass", report=lambda *call: calls.append(call))
     assert report.passed
-    assert told[0] == (0, 5, "b:one first")
-    assert told[-1] == (4, 5, "b:three second")
+    assert calls[0] == (0, 5, "b:one first")
+    assert calls[-1] == (4, 5, "b:three second")
     assert report.distribution == "acme 1.0"
     assert [outcome.component for outcome in report.outcomes] == [
         "b:one",
@@ -68,8 +68,8 @@ def test_all_is_well():
 def test_one_that_dies_is_named_and_the_rest_goes_on(second, ending):
     report = watched(second)
     assert not report.passed
-    told = {(o.component, o.check): (o.status, o.message) for o in report.outcomes}
-    assert told == {
+    found = {(o.component, o.check): (o.status, o.message) for o in report.outcomes}
+    assert found == {
         ("b:one", "first"): ("passed", ""),
         ("b:two", "first"): ("failed", f"its process {ending}"),
         ("b:two", "second"): ("skipped", f"not run, since the process of first {ending}"),
@@ -99,7 +99,7 @@ def test_one_that_dies_before_the_first_check():
 
 @pytest.mark.parametrize(("code", "kind"), [(2, UsageError), (1, PluginError)])
 def test_refusals_come_through(code, kind):
-    before = f"tell(event='refused', message='not this one', code={code}); sys.exit()"
+    before = f"write(event='refused', message='not this one', code={code}); sys.exit()"
     with pytest.raises(kind, match="not this one"):
         watched("pass", before=before)
 

@@ -1,0 +1,61 @@
+"""Components that are not found, cannot be made or do not answer fail the check that says so."""
+
+from __future__ import annotations
+
+import inspect
+import sys
+from pathlib import Path
+from typing import get_args
+
+import pytest
+
+from moseg_core.components import protocols
+from moseg_core.components.discovery.specs import ConstraintSpec, Kind
+from moseg_core.errors import UsageError
+from moseg_core.testing import CHECKS, load_checks
+from moseg_core.testing.checks import general
+from moseg_core.testing.fixtures.trial import FACTORIES
+from tests.testing.broken.general import BROKEN, BUNDLES
+from tests.testing.outcomes import HOME, assert_fails_only, failures
+
+
+class OnNoLabels:
+    """A constraint that can be made on no number of labels."""
+
+    def __init__(self, shape, labels):
+        raise UsageError("it takes 99 labels")
+
+
+@pytest.mark.parametrize("id", BROKEN)
+def test_it_fails_this_check_and_no_other(id):
+    assert_fails_only(id, BROKEN[id], BUNDLES.get(id, HOME))
+
+
+def test_a_constraint_that_cannot_be_made_is_reported_once():
+    failed = failures(ConstraintSpec(name="own", target=f"{__name__}:OnNoLabels"))
+    assert set(failed) == {"default-construction"}
+    assert "it takes 99 labels" in failed["default-construction"]
+
+
+def test_every_kind_that_is_made_has_the_protocol_of_its_name():
+    for kind in FACTORIES:
+        assert inspect.isclass(getattr(protocols, kind.capitalize()))
+
+
+def test_the_gates_come_first_and_are_about_all_that_they_can_be():
+    gates = [check for check in load_checks() if check.gate]
+    assert [gate.id for gate in gates] == [check.id for check in load_checks()[: len(gates)]]
+    assert CHECKS["target-resolves"].kinds == get_args(Kind)
+
+
+@pytest.mark.parametrize(
+    ("module", "heavy"),
+    [("moseg_core.builtin.plugin", []), ("tests.testing.broken.heavy", ["numpy"])],
+)
+def test_what_importing_a_bundle_imports(module, heavy):
+    found, failure = general._imports(module, (str(Path.cwd()), *sys.path))
+    assert (found, failure) == (heavy, "")
+
+
+def test_importing_a_bundle_that_fails():
+    assert "not_there" in general._imports("not_there", tuple(sys.path))[1]

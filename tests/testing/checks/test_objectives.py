@@ -1,0 +1,34 @@
+"""Each check of objectives fails for the one that is broken that way, and no other."""
+
+from __future__ import annotations
+
+import pytest
+
+from moseg_core.components.discovery.specs import ObjectiveSpec
+from tests.testing.broken.objectives import BROKEN
+from tests.testing.outcomes import assert_fails_only, failures, outcomes
+
+
+@pytest.mark.parametrize("id", BROKEN)
+def test_it_fails_this_check_and_no_other(id):
+    assert_fails_only(id, BROKEN[id])
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        ("counts_triangles", {"objective-requires-what-it-reads"}),
+        ("counts_pieces", {"objective-requires-what-it-reads"}),
+        ("counts_triangles_or_points", set()),
+    ],
+)
+def test_what_an_objective_may_read(name, expected):
+    spec = ObjectiveSpec(name="own", target=f"tests.testing.broken.objectives:{name}")
+    assert set(failures(spec)) == expected
+
+
+@pytest.mark.parametrize("name", ["share", "near", "four"])
+def test_unusual_objectives_pass(name):
+    found = outcomes(ObjectiveSpec(name="odd", target=f"tests.testing.odd:{name}"))
+    assert [outcome for outcome in found if outcome.status == "failed"] == []
+    assert sum(outcome.status == "passed" for outcome in found) > 10
