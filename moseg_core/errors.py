@@ -50,11 +50,11 @@ class ShapeError(MosegError, ValueError):
 
 
 class PluginError(MosegError):
-    """A plugin that is missing, broken, or broke its contract; names the distribution."""
+    """A plugin that is missing, broken, or untrue to its kind; names the distribution."""
 
 
 REPORT = "report it to its authors, or do without it"
-"""What a user can do about a component that breaks its contract; the end of such messages."""
+"""What a user can do about a component that is untrue to its kind; the end of such messages."""
 
 
 class ExpressionError(UsageError):

@@ -231,7 +231,7 @@ class Problem:
         ShapeError
             The shape cannot be embedded.
         PluginError
-            The embedding broke its contract.
+            The embedding does not do what its kind promises.
         """
         ready = self.bending
         if ready is None or shape.original is not None:

@@ -116,7 +116,7 @@ def segment(
     ShapeError
         The shape lacks what an objective needs.
     PluginError
-        A component is broken, or broke its contract. Whatever is raised once the search is under
+        A component is broken, or untrue to its kind. Whatever is raised once the search is under
         way has the best found by then as its attribute ``result``.
 
     Examples

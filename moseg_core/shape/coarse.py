@@ -72,10 +72,10 @@ def coarsen(shape: Shape, n_elements: int = 2000, *, pins: Pins = NO_PINS) -> Sh
         pieces = grow_pieces(points, graph.indptr, graph.indices, seeds, members)
         seeds = middle_elements(points, shape.areas, members, pieces)
     grow_pieces(points, graph.indptr, graph.indices, seeds, members)
-    return contract(shape, _separate(members, pins, graph), f"coarse{n_elements}")
+    return grouped(shape, _separate(members, pins, graph), f"coarse{n_elements}")
 
 
-def contract(shape: Shape, members: IntArray, resolution: str) -> Shape:
+def grouped(shape: Shape, members: IntArray, resolution: str) -> Shape:
     """The shape over given groups of its elements.
 
     Parameters
@@ -107,7 +107,7 @@ def contract(shape: Shape, members: IntArray, resolution: str) -> Shape:
         second_moments=_sums(members, shape.second_moments, count),
         adjacency=adjacency,
         resolution=resolution,
-        original=None if shape.original is None else contract(shape.original, members, resolution),
+        original=None if shape.original is None else grouped(shape.original, members, resolution),
         fine=shape,
         members=members,
     )

@@ -49,7 +49,7 @@ def test_it_is_ended_and_named_and_the_rest_goes_on(site):
         text=True,
     )
     assert done.returncode == 1, done.stderr
-    assert "bundle 'endless' of moseg-endless 1.0 does not keep the contract" in done.stderr
+    assert "bundle 'endless' of moseg-endless 1.0 does not pass the contract checks" in done.stderr
     told = json.loads(done.stdout)["outcomes"]
     failed = [outcome for outcome in told if outcome["status"] == "failed"]
     assert [outcome["component"] for outcome in failed] == ["endless:patient"]
