@@ -51,9 +51,9 @@ def _start(subject: Subject) -> None:
 def _ask(subject: Subject) -> None:
     """A batch of nothing, or of numbers that are none, ends the run."""
     for toy in (toys.bowl, toys.stairs, lambda x: Cost(0, 1.0)):
-        toys.trip(_made(subject), toy)  # each batch is looked at
+        toys.run_search(_made(subject), toy)  # each batch is looked at
     # Where a single point is feasible, there is nothing to search.
-    toys.trip(_made(subject, lower=toys.START, upper=toys.START), toys.bowl)
+    toys.run_search(_made(subject, lower=toys.START, upper=toys.START), toys.bowl)
 
 
 @check("optimizer-tell", kinds=["optimizer"])
@@ -106,7 +106,7 @@ def _budget(subject: Subject) -> None:
         raise Skip(f"it takes no parameter '{_LIMIT}'")
     for budget in (1, 2, 37, 150):
         search = _made(subject, limit=budget)
-        count = len(toys.trip(search, toys.bowl).costs)
+        count = len(toys.run_search(search, toys.bowl).costs)
         kept = count == budget or (count < budget and search.finished == "converged")
         if not (kept and search.finished):
             raise ContractFailure(
@@ -145,7 +145,7 @@ def _survives(subject: Subject) -> None:
         search = _made(subject)
         known: list[Cost] = []
         for _, costs in toys.steps(search, toy):
-            known += map(toys.clean, costs)
+            known += map(toys.without_nan, costs)
             least = min(known)
             vector, cost = search.best
             lost = math.isfinite(least.value) and cost != least
@@ -177,8 +177,8 @@ class _Pickled(_Wrapped):
         self.search = pickle.loads(pickle.dumps(self.search))
 
 
-class _ToldLittle(_Wrapped):
-    """One that is told as little of the truth as the promises of its batches allow."""
+class _LowerBounds(_Wrapped):
+    """One that gets lower bounds for costs wherever the promises of its batches allow."""
 
     def ask(self) -> Batch:
         self.batch = self.search.ask()
@@ -199,8 +199,8 @@ class _ToldLittle(_Wrapped):
 def _resume(subject: Subject) -> None:
     """A run that was stopped goes on from its checkpoint, and must end where it would have."""
     whole, resumed = (
-        toys.trip(_made(subject), toys.valley),
-        toys.trip(_Pickled(_made(subject)), toys.valley),
+        toys.run_search(_made(subject), toys.valley),
+        toys.run_search(_Pickled(_made(subject)), toys.valley),
     )
     if _end(whole) != _end(resumed) or unlike(whole.vectors, resumed.vectors) is not None:
         raise ContractFailure(
@@ -211,7 +211,7 @@ def _resume(subject: Subject) -> None:
         )
 
 
-def _end(run: toys.Trip) -> tuple[Any, ...]:
+def _end(run: toys.SearchRecord) -> tuple[Any, ...]:
     search, (vector, cost) = run.search, run.search.best
     return as_numbers(vector).tobytes(), cost, search.finished, search.history
 
@@ -220,8 +220,8 @@ def _end(run: toys.Trip) -> tuple[Any, ...]:
 def _promises(subject: Subject) -> None:
     """Costs that it says it does not need are not computed; it must not look at them."""
     whole, other = (
-        toys.trip(_made(subject), toys.valley),
-        toys.trip(_ToldLittle(_made(subject)), toys.valley),
+        toys.run_search(_made(subject), toys.valley),
+        toys.run_search(_LowerBounds(_made(subject)), toys.valley),
     )
     moved = unlike(other.search.best[0], whole.search.best[0]) is not None
     if len(other.costs) != len(whole.costs) or moved:
@@ -240,7 +240,7 @@ def _beats_random(subject: Subject) -> None:
     limit = 400 if _limits(subject) else None
     for name, toy in toys.TOYS.items():
         searches = (_made(subject, seed=seed, limit=limit) for seed in range(3))
-        found = sorted(min(toys.trip(search, toy).costs[:400]) for search in searches)[1]
+        found = sorted(min(toys.run_search(search, toy).costs[:400]) for search in searches)[1]
         thrown = (
             np.random.default_rng(seed).uniform(-toys.REACH, toys.REACH, (400, 4))
             for seed in range(5)
