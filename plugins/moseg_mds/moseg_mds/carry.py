@@ -105,7 +105,7 @@ def turned_like(points: FloatArray, model: FloatArray) -> FloatArray:
     centred = points - points.mean(axis=0)
     u, _, vt = np.linalg.svd(np.einsum("ni,nj->ij", centred, model - model.mean(axis=0)))
     u[:, 2] *= 1.0 if np.linalg.det(u) * np.linalg.det(vt) > 0.0 else -1.0
-    return np.einsum("ni,ij->nj", centred, np.einsum("ij,jk->ik", u, vt))
+    return np.asarray(np.einsum("ni,ij->nj", centred, np.einsum("ij,jk->ik", u, vt)))
 
 
 def _local_fits(

@@ -175,7 +175,7 @@ def _heat(vertices: FloatArray, triangles: IntArray) -> Callable[[int], FloatArr
 
     def distances(source: int) -> FloatArray:
         found = np.asarray(igl.heat_geodesics_solve(data, np.array([source])))
-        return np.maximum(found - found[source], 0.0)
+        return np.asarray(np.maximum(found - found[source], 0.0))
 
     # A flow over bad triangles goes wrong without a sign of it: compare with paths that cannot.
     paths = path_graph(vertices, triangles, budget=0).distances(0)

@@ -118,7 +118,7 @@ def majorize(
         bz = places * pull.sum(axis=1)[:, None] - np.einsum("ij,jk->ik", pull, places)
         return np.asarray(np.einsum("ij,jk->ik", inverse, bz))
 
-    x = start - start.mean(axis=0)
+    x: FloatArray = start - start.mean(axis=0)
     d, value = measured(x)
     z, d_z = x, d
     run = 0  # steps since momentum was lost

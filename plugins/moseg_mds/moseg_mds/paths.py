@@ -42,13 +42,13 @@ class PathGraph:
     n_vertices : int
     """
 
-    matrix: sparse.csr_array
+    matrix: sparse.csr_array[np.float64]
     n_vertices: int
 
     def distances(self, source: int) -> FloatArray:
         """(V,) float: length of the shortest path to each vertex, inf where there is none."""
-        found = csgraph.dijkstra(self.matrix, directed=True, indices=source)
-        return np.asarray(found[: self.n_vertices])
+        found = csgraph.dijkstra(self.matrix, directed=True, indices=[source])
+        return np.asarray(found[0, : self.n_vertices])
 
 
 def path_graph(vertices: FloatArray, triangles: IntArray, *, budget: int = _BUDGET) -> PathGraph:
@@ -104,7 +104,7 @@ def _points_per_edge(vertices: FloatArray, ends: IntArray, room: int) -> IntArra
     step = float(lengths.sum()) / max(room, 1)
     if step == 0.0:
         return np.ones(len(ends), np.int64)
-    return np.rint(lengths / step).clip(1, _MOST).astype(np.int64)
+    return np.asarray(np.rint(lengths / step).clip(1, _MOST), np.int64)
 
 
 def _along(ends: IntArray, first: IntArray, count: IntArray) -> IntArray:
@@ -146,7 +146,7 @@ def _counting(sizes: IntArray) -> IntArray:
     return np.arange(int(sizes.sum())) - np.repeat(before, sizes)
 
 
-def _symmetric(pairs: IntArray, length: FloatArray, size: int) -> sparse.csr_array:
+def _symmetric(pairs: IntArray, length: FloatArray, size: int) -> sparse.csr_array[np.float64]:
     """Both directions of each arc; an arc of two triangles counts once."""
     code = pairs.min(axis=1) * np.int64(size) + pairs.max(axis=1)
     _, kept = np.unique(code, return_index=True)

@@ -81,7 +81,7 @@ def landmark_mds(
     values, vectors, mean = _decompose(among, dimensions)
     # The pseudo-inverse of the landmarks' places; 0 along axes that they do not span.
     inverse = np.divide(vectors, np.sqrt(values), out=np.zeros_like(vectors), where=values > 0.0)
-    return -0.5 * np.einsum("kn,kd->nd", table**2 - mean[:, None], inverse)
+    return np.asarray(-0.5 * np.einsum("kn,kd->nd", table**2 - mean[:, None], inverse))
 
 
 def normalized_stress(

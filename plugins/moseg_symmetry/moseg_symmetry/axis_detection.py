@@ -31,7 +31,7 @@ FloatArray = npt.NDArray[np.float64]
 MOST = 12
 
 #: Far from the turns that leave a regular prism of two to twelve sides as it is.
-_ROUND = np.radians([25.0, 55.0, 105.0])
+_ROUND: FloatArray = np.radians([25.0, 55.0, 105.0])
 
 _DIRECTIONS = 1000
 _COARSE_POINTS, _FEW_POINTS, _MANY_POINTS = 200, 500, 3000
@@ -167,7 +167,9 @@ def _candidates(surface: Surface) -> list[tuple[int | None, Turns]]:
 def _judged(surface: Surface, motion: Turns, fold: int | None, points: FloatArray) -> AxisSymmetry:
     """An axis with its values over all the turns of its kind."""
     # A turn and its inverse say about the same.
-    turns = _ROUND if fold is None else 2.0 * np.pi / fold * np.arange(1, fold // 2 + 1)
+    turns = _ROUND
+    if fold is not None:
+        turns = 2.0 * np.pi / fold * np.arange(1, fold // 2 + 1, dtype=np.float64)
     whole = Turns(motion.direction, motion.point, turns)
     distances = surface.distances(whole.images(points).reshape(-1, 3))
     direction = whole.direction

@@ -60,7 +60,7 @@ class Plane:
     def heights(self, points: FloatArray) -> FloatArray:
         """(k,) float: signed distances of (k, 3) points from the plane."""
         # Not `@`, whose last bits depend on how many points come together.
-        return ((points - self.point) * self.normal).sum(axis=-1)
+        return np.asarray(((points - self.point) * self.normal).sum(axis=-1))
 
     def reflect(self, points: FloatArray) -> FloatArray:
         """(k, 3) float: the mirror images of points.

@@ -75,7 +75,7 @@ class Surface:
         over = s + t > 1.0
         s, t = np.where(over, 1.0 - s, s), np.where(over, 1.0 - t, t)
         a, b, c = (self.vertices[self.triangles[chosen, k]] for k in range(3))
-        return a + s[:, None] * (b - a) + t[:, None] * (c - a)
+        return np.asarray(a + s[:, None] * (b - a) + t[:, None] * (c - a))
 
     def nearest(self, points: FloatArray) -> tuple[FloatArray, IntArray, FloatArray]:
         """Distance to the surface, the triangle nearest and the point of it, for (k, 3) points.
@@ -169,7 +169,7 @@ class DistanceGrid:
         cells = len(self.values)
         at = _cells(points, cells, self.reach)
         flat = (at[..., 0] * cells + at[..., 1]) * cells + at[..., 2]
-        return self.values.reshape(-1)[flat]
+        return np.asarray(self.values.reshape(-1)[flat])
 
 
 def _cells(points: FloatArray, cells: int, reach: float) -> npt.NDArray[np.int32]:
