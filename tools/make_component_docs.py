@@ -1,23 +1,32 @@
-"""Make ``docs/components.md``: all components of moseg's own bundles and their parameters.
+"""Make what the documentation says of components, from the code where it is declared.
 
-From the one place where they are declared, the code (:mod:`moseg_core.components.explanation`)::
+``docs/components.md`` is made whole: all components of moseg's own bundles and their parameters
+(:mod:`moseg_core.components.explanation`). In ``README.md`` and ``docs/objectives.md`` the tables
+of objectives are made, between two marks::
+
+    <!-- objectives: made by tools/make_component_docs.py -->
+    <!-- end of objectives -->
+
+What an objective is about and where it is small is the ``summary`` of its spec, ``"one part: long
+and thin"``; its formula is the first line of its docstring. Run it after a change of either; a
+test compares::
 
     python tools/make_component_docs.py
-
-A test compares the page with what this script makes of the installed bundles.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from moseg_core.components.discovery.registry import registry
 from moseg_core.components.discovery.specs import Kind
 from moseg_core.components.explanation import Explained, bounds, default, explain_component, span
+from moseg_core.components.objectives import Traits
 
-PAGE = Path(__file__).parents[1] / "docs" / "components.md"
+ROOT = Path(__file__).parents[1]
+PAGE = ROOT / "docs" / "components.md"
 BUNDLES = ("core", "basic", "symmetry", "mds")
 
 #: Kinds in the order of the page, with what they are called there.
@@ -74,5 +83,117 @@ def _entry(explained: Explained) -> Iterator[str]:
         yield f"| `{parameter.name}` | {default(parameter)} | {bounds(parameter)} | {words} |\n"
 
 
+def about(traits: Traits) -> str:
+    """Of how many parts an objective is, as its summary has to say."""
+    if traits.arity == "nary":
+        return "two parts" if traits.most == 2 else "several parts"
+    return {"unary": "one part", "global": "all parts"}[traits.arity]
+
+
+def call(explained: Explained) -> str:
+    """An objective as it is written in an expression, with its parameters' defaults."""
+    traits = explained.traits
+    assert traits is not None
+    labels = {"one part": ["a"], "two parts": ["a", "b"], "several parts": ["a", "b", "..."]}
+    arguments = labels.get(about(traits), [])
+    arguments += [f"{parameter.name}={default(parameter)}" for parameter in explained.parameters]
+    name = explained.component.spec.name
+    return f"{name}({', '.join(arguments)})" if arguments else name
+
+
+def small_when(explained: Explained) -> str:
+    """Where an objective is small.
+
+    Raises
+    ------
+    ValueError
+        The summary does not begin with what the objective is about.
+    """
+    traits, summary = explained.traits, explained.component.spec.summary
+    assert traits is not None
+    start, _, rest = summary.partition(": ")
+    if start != about(traits) or not rest:
+        raise ValueError(
+            f"the summary of {explained.component.id} is not '{about(traits)}: ...' but '{summary}'"
+        )
+    return rest
+
+
+def formula(explained: Explained) -> str:
+    """The formula that an objective's docstring begins with, for a cell of a table.
+
+    Raises
+    ------
+    ValueError
+        The docstring begins with something else.
+    """
+    found = re.match(r"``([^`]+)``:? ", f"{explained.headline} ")
+    if found is None:
+        raise ValueError(f"the docstring of {explained.component.id} begins without a formula")
+    return "`" + found[1].replace("|", r"\|") + "`"
+
+
+def source(explained: Explained) -> str:
+    """Where in the paper an objective is, by its notes; empty where it is not."""
+    notes = " ".join(explained.sections.get("Notes", "").split())
+    found = re.search(r"(named in )?Simari & Singh, (Sec\. \d+)", notes, re.IGNORECASE)
+    return f"{(found[1] or '').lower()}{found[2]}" if found else ""
+
+
+def table(columns: dict[str, Callable[[Explained], str]]) -> str:
+    """A table of the basic objectives, in the order in which their bundle has them."""
+    known = [c for c in registry().components() if (c.kind, c.bundle) == ("objective", "basic")]
+    rows = [[make(explain_component(c)) for make in columns.values()] for c in known]
+    lines = [list(columns), ["---"] * len(columns), *rows]
+    return "".join(f"| {' | '.join(line)} |\n" for line in lines)
+
+
+def _code(explained: Explained) -> str:
+    return f"`{call(explained)}`"
+
+
+def _about(explained: Explained) -> str:
+    return about(explained.traits) if explained.traits else ""
+
+
+def _range(explained: Explained) -> str:
+    return span(explained.traits) if explained.traits else ""
+
+
+#: What is made within pages that are written by hand.
+BLOCKS: dict[Path, dict[str, Callable[[Explained], str]]] = {
+    ROOT / "README.md": {"objective": _code, "about": _about, "small when": small_when},
+    ROOT / "docs" / "objectives.md": {
+        "objective": _code,
+        "small when": small_when,
+        "formula": formula,
+        "range": _range,
+        "paper": source,
+    },
+}
+_BLOCK = re.compile(
+    r"(?<=<!-- objectives: made by tools/make_component_docs.py -->\n).*"
+    r"(?=<!-- end of objectives -->\n)",
+    re.DOTALL,
+)
+
+
+def filled(text: str, made: str) -> str:
+    """The text of a page with what is made between its marks.
+
+    Raises
+    ------
+    ValueError
+        The page has no marks.
+    """
+    found, count = _BLOCK.subn(lambda _: f"\n{made}\n", text)
+    if count != 1:
+        raise ValueError("the page has no place that is marked for the table of objectives")
+    return found
+
+
 if __name__ == "__main__":
     PAGE.write_text(page(), encoding="utf-8")
+    for path, columns in BLOCKS.items():
+        text = path.read_text(encoding="utf-8")
+        path.write_text(filled(text, table(columns)), encoding="utf-8")

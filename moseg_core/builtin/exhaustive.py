@@ -19,7 +19,7 @@ _MOST_LABELS = 8
 
 
 class Exhaustive:
-    """The best of all n! assignments under the whole cost; at most 8 labels."""
+    """Each of the n! assignments is tried."""
 
     optimal = "all"
 

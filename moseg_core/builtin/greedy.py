@@ -16,7 +16,7 @@ from moseg_core.types import FloatArray, IntArray
 
 
 class Greedy:
-    """One label at a time, in an order that the user may give.
+    """Each label goes to the part, of those left, that raises the cost least.
 
     Parameters
     ----------

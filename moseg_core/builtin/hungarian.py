@@ -13,7 +13,7 @@ from moseg_core.types import FloatArray, IntArray
 
 
 class Hungarian:
-    """The optimal assignment on unary objectives."""
+    """The assignment problem on the matrix of unary costs, solved exactly."""
 
     optimal = "unary"
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import sys
 import textwrap
 from typing import Any
@@ -68,7 +69,9 @@ def _print(explained: Explained, out: Console) -> None:
     component = explained.component
     head = Text(component.id, "bold").append(f"  {component.kind}", "not bold")
     out.print(head)
-    _paragraph(explained.headline, out)
+    _paragraph(component.spec.summary, out)
+    if _words(explained.headline) != _words(component.spec.summary):
+        _paragraph(explained.headline, out)
     _paragraph(explained.body, out)
     for section, title in _SHOWN.items():
         _paragraph(explained.sections.get(section, ""), out, title=title)
@@ -85,6 +88,11 @@ def _print(explained: Explained, out: Console) -> None:
     out.print()
     if explained.about and "Notes" not in explained.sections:
         _paragraph(explained.about, out, title="about")
+
+
+def _words(line: str) -> list[str]:
+    """What a line says, however it is set: many a docstring begins with the spec's summary."""
+    return re.findall(r"\w+", line.lower())
 
 
 def _paragraph(text: str, out: Console, *, title: str = "") -> None:

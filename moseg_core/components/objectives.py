@@ -78,7 +78,7 @@ class Traits:
         if self.arity == "global":
             return "no labels"
         if self.arity == "unary":
-            return "one label or more"
+            return "one label, or several to be summed"
         if self.least == self.most:
             return f"exactly {self.least} labels"
         few = "one label" if self.least == 1 else f"{self.least} labels"
@@ -156,7 +156,7 @@ def objective(
     ...     s1, s2, s3 = part.scales
     ...     return (s2 + s3) / (2 * s1)
     >>> narrow.traits.arity, narrow.traits.takes
-    ('unary', 'one label or more')
+    ('unary', 'one label, or several to be summed')
     """
     if not range[0] < range[1]:
         raise ValueError(f"an objective's range goes from low to high, not {range}")

@@ -62,7 +62,7 @@ def test_explain_an_objective(moseg):
         "basic:area_fraction objective",
         "min = 0 number, 0 to 1 Bounds of the share",
         "range 0 to 1",
-        "takes one label or more",
+        "takes one label, or several to be summed",
         "needs nothing but the parts",
         "unchanged by order, reflection, rigid, scale, tessellation",
         "cost cheap",
@@ -75,6 +75,13 @@ def test_explain_an_objective(moseg):
     needs = " ".join(moseg("plugin", "explain", "basic:convex_parts").out.split())
     assert "needs volume" in needs
     assert "range 0 to infinity" in needs
+
+
+def test_explain_begins_with_the_summary_and_says_nothing_twice(moseg):
+    narrow = moseg("plugin", "explain", "narrow").out
+    assert narrow.splitlines()[1].strip() == "one part: long and thin"
+    assert "(s2 + s3) / (2 s1)" in narrow  # what the docstring begins with comes next
+    assert moseg("plugin", "explain", "core:seg").out.lower().count("one label number a line") == 1
 
 
 def test_explain_other_kinds(moseg):

@@ -56,7 +56,7 @@ def whole(segmentation: Segmentation) -> float:
 @pytest.mark.parametrize(
     ("made", "arity", "least", "most", "takes"),
     [
-        (one, "unary", 1, 1, "one label or more"),
+        (one, "unary", 1, 1, "one label, or several to be summed"),
         (two, "nary", 2, 2, "exactly 2 labels"),
         (three, "nary", 3, 3, "exactly 3 labels"),
         (many, "nary", 2, None, "2 labels or more"),

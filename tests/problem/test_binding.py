@@ -165,9 +165,9 @@ def test_parameters_come_in_their_declared_types():
 @pytest.mark.parametrize(
     ("text", "takes", "given_count"),
     [
-        ("thin", "one label or more", "none"),
-        ("thin()", "one label or more", "none"),
-        ("thin(power=2)", "one label or more", "none"),
+        ("thin", "one label, or several to be summed", "none"),
+        ("thin()", "one label, or several to be summed", "none"),
+        ("thin(power=2)", "one label, or several to be summed", "none"),
         ("across", "exactly 2 labels", "none"),
         ("across(head)", "exactly 2 labels", "1"),
         ("across(leg*)", "exactly 2 labels", "3"),

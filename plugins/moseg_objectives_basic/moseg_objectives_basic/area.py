@@ -19,7 +19,7 @@ def area_fraction(
     min: Annotated[float, Interval(0, 1)] = 0.0,
     max: Annotated[float, Interval(0, 1)] = 1.0,
 ) -> float:
-    """0 while a part's share of the shape's area is within bounds: its distance from them.
+    """``max(min - share, share - max, 0)``: how far the share of the area is from its bounds.
 
     Parameters
     ----------
@@ -30,8 +30,8 @@ def area_fraction(
     Returns
     -------
     float
-        ``max(min - share, share - max, 0)`` with ``share`` the part's area over that of the
-        whole shape. 0 within the bounds, growing linearly outside, at most 1; 0 is best.
+        ``share`` is the part's area over that of the whole shape. 0 within the bounds, growing
+        linearly outside, at most 1; 0 is best.
 
     Raises
     ------

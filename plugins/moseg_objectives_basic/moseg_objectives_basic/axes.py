@@ -18,7 +18,7 @@ from moseg_core import Part, objective
     range=(0, 1), invariant_to=("rigid", "scale", "reflection", "order", "tessellation", "labels")
 )
 def parallel(first: Part, second: Part) -> float:
-    """Small where the long axes of two parts are parallel: ``|axis_1 x axis_1'|``.
+    """``|axis_1 x axis_1'|``: the sine of the angle between the long axes.
 
     Parameters
     ----------
@@ -28,7 +28,7 @@ def parallel(first: Part, second: Part) -> float:
     Returns
     -------
     float
-        Sine of the angle between the axes: 0 where they are parallel, 1 at a right angle; 0 is
+        0 where they are parallel, 1 at a right angle; 0 is
         best. ``parallel^2 + perpendicular^2 = 1``.
 
     Notes
@@ -55,7 +55,7 @@ def parallel(first: Part, second: Part) -> float:
     range=(0, 1), invariant_to=("rigid", "scale", "reflection", "order", "tessellation", "labels")
 )
 def coaxial(first: Part, second: Part) -> float:
-    """Small where the long axes of two parts lie on one line: ``1 - (1 - sine) (1 - offset)``.
+    """``1 - (1 - sine) (1 - offset)``: the angle between the long axes, and how far apart they are.
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ def coaxial(first: Part, second: Part) -> float:
     range=(0, 1), invariant_to=("rigid", "scale", "reflection", "order", "tessellation", "labels")
 )
 def perpendicular(first: Part, second: Part) -> float:
-    """Small where the long axes of two parts are at a right angle: ``|axis_1 . axis_1'|``.
+    """``|axis_1 . axis_1'|``: the cosine of the angle between the long axes.
 
     Parameters
     ----------
@@ -116,7 +116,7 @@ def perpendicular(first: Part, second: Part) -> float:
     Returns
     -------
     float
-        Cosine of the angle between the axes: 0 at a right angle, 1 where they are parallel; 0
+        0 at a right angle, 1 where they are parallel; 0
         is best. The long axis of a part means little where its two largest scales are equal.
 
     Notes

@@ -72,7 +72,7 @@ def hull_volume(part: Part) -> float:
     cost="moderate",
 )
 def convex_parts(segmentation: Segmentation) -> float:
-    """Small where the parts' convex hulls fill the volume once: ``((sum H(P) - V) / V)^2``.
+    """``((sum H(P) - V) / V)^2``: the volume of the hulls against that which the shape encloses.
 
     Parameters
     ----------
@@ -145,7 +145,7 @@ def closed_volume(part: Part) -> float:
     cost="moderate",
 )
 def convex(part: Part) -> float:
-    """Small for a part that fills its convex hull: ``(H(P) - V(P)) / H(P)``.
+    """``(H(P) - V(P)) / H(P)``: the share of its hull that the part leaves empty.
 
     Parameters
     ----------

@@ -98,7 +98,7 @@ def _terms(pull: FloatArray, gap: FloatArray, s: FloatArray) -> FloatArray:
     cost="expensive",
 )
 def ellipsoidal(part: Part) -> float:
-    """Small for a part close to the ellipsoid of its covariance.
+    """``surfdist(P, E)``: the distance to the ellipsoid ``E`` of the part's covariance.
 
     Parameters
     ----------

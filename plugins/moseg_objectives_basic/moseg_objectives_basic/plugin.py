@@ -12,7 +12,11 @@ moseg_contract = 1
 
 @hookimpl
 def moseg_objectives() -> list[ObjectiveSpec]:
-    """The objectives of Sec. 10, those that Sec. 3 only names, and bounds on the area."""
+    """The objectives of Sec. 10, those that Sec. 3 only names, and bounds on the area.
+
+    A summary says, in this form, of how many parts it is and where it is small: the tables in the
+    README and in ``docs/objectives.md`` are made of it.
+    """
     return [
         ObjectiveSpec(
             name="narrow",
@@ -20,7 +24,9 @@ def moseg_objectives() -> list[ObjectiveSpec]:
             summary="one part: long and thin",
         ),
         ObjectiveSpec(
-            name="flat", target=f"{_PACKAGE}.proportions:flat", summary="one part: like a plate"
+            name="flat",
+            target=f"{_PACKAGE}.proportions:flat",
+            summary="one part: like a plate",
         ),
         ObjectiveSpec(
             name="compact",
@@ -33,26 +39,6 @@ def moseg_objectives() -> list[ObjectiveSpec]:
             summary="one part: its own mirror image",
         ),
         ObjectiveSpec(
-            name="ellipsoidal",
-            target=f"{_PACKAGE}.ellipsoid:ellipsoidal",
-            summary="one part: close to the ellipsoid of its covariance",
-        ),
-        ObjectiveSpec(
-            name="perpendicular",
-            target=f"{_PACKAGE}.axes:perpendicular",
-            summary="two parts: long axes at a right angle",
-        ),
-        ObjectiveSpec(
-            name="similar_proportions",
-            target=f"{_PACKAGE}.similarity:similar_proportions",
-            summary="several parts: alike in length, width and height",
-        ),
-        ObjectiveSpec(
-            name="convex_parts",
-            target=f"{_PACKAGE}.convexity:convex_parts",
-            summary="all parts: their convex hulls fill the volume once",
-        ),
-        ObjectiveSpec(
             name="axial_symmetric",
             target=f"{_PACKAGE}.symmetry:axial_symmetric",
             summary="one part: a surface of revolution",
@@ -63,6 +49,11 @@ def moseg_objectives() -> list[ObjectiveSpec]:
             summary="one part: the same n times in a full turn",
         ),
         ObjectiveSpec(
+            name="ellipsoidal",
+            target=f"{_PACKAGE}.ellipsoid:ellipsoidal",
+            summary="one part: close to an ellipsoid",
+        ),
+        ObjectiveSpec(
             name="convex",
             target=f"{_PACKAGE}.convexity:convex",
             summary="one part: fills its convex hull",
@@ -70,7 +61,12 @@ def moseg_objectives() -> list[ObjectiveSpec]:
         ObjectiveSpec(
             name="area_fraction",
             target=f"{_PACKAGE}.area:area_fraction",
-            summary="one part: its share of the area between min and max",
+            summary="one part: its share of the area is within the bounds",
+        ),
+        ObjectiveSpec(
+            name="perpendicular",
+            target=f"{_PACKAGE}.axes:perpendicular",
+            summary="two parts: long axes at a right angle",
         ),
         ObjectiveSpec(
             name="parallel",
@@ -83,9 +79,19 @@ def moseg_objectives() -> list[ObjectiveSpec]:
             summary="two parts: long axes on one line",
         ),
         ObjectiveSpec(
+            name="similar_proportions",
+            target=f"{_PACKAGE}.similarity:similar_proportions",
+            summary="several parts: alike in length, width and height",
+        ),
+        ObjectiveSpec(
             name="similar",
             target=f"{_PACKAGE}.similarity:similar",
-            summary="several parts: the same proportions in any size",
+            summary="several parts: alike in proportions, whatever their size",
+        ),
+        ObjectiveSpec(
+            name="convex_parts",
+            target=f"{_PACKAGE}.convexity:convex_parts",
+            summary="all parts: their convex hulls fill the volume once",
         ),
     ]
 

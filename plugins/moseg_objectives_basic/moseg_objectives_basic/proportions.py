@@ -14,7 +14,7 @@ from moseg_core import Part, objective
 
 @objective(range=(0, 1), invariant_to=("rigid", "scale", "reflection", "order", "tessellation"))
 def narrow(part: Part) -> float:
-    """Small for a long thin part: ``(s2 + s3) / (2 s1)``.
+    """``(s2 + s3) / (2 s1)``: the mean of the short scales over the long one.
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ def narrow(part: Part) -> float:
 
 @objective(range=(0, 1), invariant_to=("rigid", "scale", "reflection", "order", "tessellation"))
 def flat(part: Part) -> float:
-    """Small for a part like a plate: ``s3 / (2 s1) + s3 / (2 s2)``.
+    """``s3 / (2 s1) + s3 / (2 s2)``: the mean of the thickness over the length and the width.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ def flat(part: Part) -> float:
 
 @objective(range=(0, 1), invariant_to=("rigid", "scale", "reflection", "order", "tessellation"))
 def compact(part: Part) -> float:
-    """Small for a part as wide and high as it is long: ``1 - narrow``.
+    """``1 - narrow(P)``: the contrary of a line.
 
     Parameters
     ----------

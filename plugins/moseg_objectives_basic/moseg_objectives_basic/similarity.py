@@ -20,7 +20,7 @@ from moseg_core import Part, objective
     invariant_to=("rigid", "scale", "reflection", "order", "tessellation", "labels"),
 )
 def similar(parts: Sequence[Part]) -> float:
-    """Small where parts have the same proportions whatever their size: ``mean ||u_i - mean u||^2``.
+    """``mean_i ||u_i - mean u||^2``: how far the parts' proportions are from their mean.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ def similar(parts: Sequence[Part]) -> float:
     invariant_to=("rigid", "scale", "reflection", "order", "tessellation", "labels"),
 )
 def similar_proportions(parts: Sequence[Part]) -> float:
-    """Small where parts are alike in length, width and height: ``sum ||s_i - mean s||^2 / d^2``.
+    """``sum_i ||s_i - mean s||^2 / d^2``: how far the parts' scales are from their mean.
 
     Parameters
     ----------

@@ -44,7 +44,7 @@ _ROUND = np.radians([25.0, -25.0, 55.0, -55.0, 105.0, -105.0])
     cost="expensive",
 )
 def axial_symmetric(part: Part) -> float:
-    """Small for a surface of revolution: a cylinder, a cone, a sphere, a ring.
+    """``min_i mean_a dist^2(P, turn(P, i, a)) / 4 r^2``: the distance to the part turned.
 
     Parameters
     ----------
@@ -93,7 +93,7 @@ def axial_symmetric(part: Part) -> float:
     cost="expensive",
 )
 def rotational_symmetric(part: Part, *, n: Annotated[int, Interval(2)] = 2) -> float:
-    """Small for a part that looks the same ``n`` times in a full turn.
+    """``min_i mean_k dist^2(P, turn(P, i, 2 pi k / n)) / 4 r^2``: the distance to the part turned.
 
     Parameters
     ----------
@@ -188,7 +188,7 @@ def _well_defined(part: Part) -> list[int]:
     cost="expensive",
 )
 def planar_symmetric(part: Part) -> float:
-    """Small for a part that is its own mirror image.
+    """``min_i surfdist(P, reflect(P, i))``: the distance to the part's mirror image.
 
     Parameters
     ----------

@@ -25,7 +25,7 @@ FloatArray = npt.NDArray[np.float64]
 
 
 class Mirror:
-    """``mirror(leg2, leg1)``: the centre of the first is the mirror image of the second's.
+    """The mirror image of another label's centre at the plane of symmetry.
 
     Both have the same weight. The first has no numbers of its own.
 
@@ -107,7 +107,7 @@ class Mirror:
 
 
 class OnPlane:
-    """``on_plane(body, head)``: the centres lie on the plane.
+    """Centres on the plane of symmetry, by their coordinates within it.
 
     Each label has three numbers of its own instead of four: two coordinates in the plane and the
     weight, label after label.
