@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-PAGES = sorted([*(ROOT / "docs").rglob("*.md"), ROOT / "README.md", ROOT / "CONTRIBUTING.md"])
+PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / ".github").rglob("*.md"), *ROOT.glob("docs/**/*.md")])
 
 # `folder/name.py` between single backticks: a path from the root of the project.
 FILE = re.compile(r"(?<!`)`([\w.-]+(?:/[\w.-]+)+\.(?:py|md|toml))`(?!`)")
