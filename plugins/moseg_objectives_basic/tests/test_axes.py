@@ -113,3 +113,47 @@ def test_nasty_parts_stay_in_range(nasty):
         assert 0 <= parallel((first, second)) <= 1, (one, other)
         # Also for parts of different shapes, whose centroids no box holds.
         assert 0 <= coaxial((first, second)) <= 1, (one, other)
+
+
+@pytest.mark.parametrize("degrees", [0, 10, 45, 60, 90, 120, 180])
+def test_bars_are_perpendicular_by_the_cosine(make, degrees):
+    turn = Rotation.from_euler("z", degrees, degrees=True)
+    bars = [make.box(6, 1, 0.5), make.moved(make.box(3, 0.4, 0.7), turn=turn, shift=[9, 2, 1])]
+    for whole in (Rotation.identity(), GENERIC):
+        parts = make.segmented([make.moved(bar, turn=whole) for bar in bars]).parts
+        expected = abs(math.cos(math.radians(degrees)))
+        assert perpendicular(parts) == pytest.approx(expected, abs=1e-12)
+        assert perpendicular(parts[::-1]) == perpendicular(parts)
+
+
+def test_parallel_bars_are_never_more_than_parallel(make):
+    for seed in range(100):
+        bar = make.moved(make.box(6, 1, 0.5), turn=Rotation.random(rng=seed))
+        part = make.part(bar)
+        assert 1 - 1e-12 < perpendicular((part, part)) <= 1
+
+
+@given(data=st.data())
+@settings(max_examples=40, deadline=None)
+def test_motion_scale_mirror_and_order_leave_perpendicular_as_it_is(data, make):
+    original, motion = data.draw(make.shapes), data.draw(make.motions)
+    moved = motion(original)
+    # Coordinates rounded to 1e-13 diagonals turn an axis by up to that over the eigengap, 1e-3.
+    expression = "perpendicular(a, b) + perpendicular(b, c)"
+    before, after = original.values(expression), moved.values(expression)
+    np.testing.assert_allclose(after, before, rtol=0, atol=1e-9)
+
+
+@given(data=st.data(), seed=st.integers(0, 1000))
+@settings(max_examples=15, deadline=None)
+def test_tessellation_leaves_perpendicular_as_it_is(data, make, seed):
+    original = data.draw(make.shapes)
+    expression = "perpendicular(a, b) + perpendicular(b, c)"
+    before = original.values(expression)
+    for again in (make.quartered(original), make.punctured(original, seed)):
+        np.testing.assert_allclose(again.values(expression), before, rtol=0, atol=1e-11)
+
+
+def test_perpendicular_of_nasty_parts_stays_in_range(nasty):
+    for (one, first), (other, second) in itertools.product(nasty.items(), repeat=2):
+        assert 0 <= perpendicular((first, second)) <= 1, (one, other)

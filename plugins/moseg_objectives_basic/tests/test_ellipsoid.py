@@ -7,8 +7,12 @@ import numpy as np
 import pytest
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
-from moseg_objectives_basic.ellipsoid import squared_distances_to_ellipsoid
-from scipy import optimize
+from moseg_objectives_basic.ellipsoid import ellipsoidal, squared_distances_to_ellipsoid
+from scipy import integrate, optimize
+from scipy.spatial import cKDTree
+from scipy.spatial.transform import Rotation
+
+GENERIC = Rotation.from_rotvec([0.4, -1.1, 0.7])
 
 
 def distances(points, radii):
@@ -208,3 +212,71 @@ def test_many_points_at_once_as_one_by_one(seed, exponent):
     np.testing.assert_allclose(
         distances(points * scale, radii * scale), together * scale, rtol=1e-9, atol=1e-14 * scale
     )
+
+
+@pytest.mark.parametrize("rounds", [1, 2, 3, 4])
+def test_refined_sphere_is_ellipsoidal(make, rounds):
+    coarse, fine = (ellipsoidal(make.part(make.ball(rounds + k))) for k in (0, 1))
+    # The sag of a facet falls with the square of its size, the square of that with its fourth
+    # power; a little less where the coarser facets are sampled more than once.
+    assert 0 < fine < coarse / 4
+    if rounds == 4:
+        assert fine < 1e-8
+
+
+def test_radii_of_a_three_to_one_ellipsoid(make):
+    vertices, faces = make.ball(5)
+    part = make.part((vertices * [3, 1, 1], faces))
+    along, across, other = np.sqrt(3) * part.scales
+    assert along / 3 == pytest.approx(0.8976, abs=1e-3)  # 10 % short
+    assert across == pytest.approx(1.0475, abs=1e-3)  # 5 % long
+    assert other == pytest.approx(across, rel=1e-5)
+    assert 1e-5 < ellipsoidal(part) < 1e-3
+
+
+@pytest.mark.parametrize("turn", [Rotation.identity(), GENERIC])
+def test_disc_against_its_ellipse(make, turn):
+    part = make.part(make.moved(make.disc(40, 90), turn=turn, shift=7.0))
+    # Both scales are half the radius; beyond the smaller disc the distance is radial.
+    radius = math.sqrt(3) / 2
+    beyond = integrate.quad(lambda r: (r - radius) ** 2 * 2 * r, radius, 1)[0]
+    assert ellipsoidal(part) == pytest.approx(beyond / 8, rel=0.02)
+
+
+@given(data=st.data())
+@settings(max_examples=8, deadline=None)
+def test_ellipsoidal_against_points_all_over_the_ellipsoid(data, make):
+    part = data.draw(make.shapes).segmentation().parts[0]
+    vertices, _ = make.ball(6)
+    surface_points = vertices * (np.sqrt(3) * part.scales) @ part.axes + part.centroid
+    points, weights = make.dense_samples(part.vertices[part.triangles], 1)
+    nearest, _ = cKDTree(surface_points).query(points)
+    expected = weights @ nearest**2 / weights.sum() / part.box_diagonal**2
+    assert ellipsoidal(part) == pytest.approx(expected, rel=0.05, abs=5e-5)
+
+
+@given(data=st.data())
+@settings(max_examples=20, deadline=None)
+def test_motion_scale_mirror_and_order_change_nothing(data, make):
+    original, motion = data.draw(make.shapes), data.draw(make.motions)
+    moved = motion(original)
+    # Coordinates rounded to 1e-13 diagonals turn an axis by up to that over the eigengap, 1e-3.
+    before, after = (x.values("ellipsoidal(a, b, c)") for x in (original, moved))
+    np.testing.assert_allclose(after, before, rtol=0, atol=1e-10)
+
+
+@given(data=st.data(), seed=st.integers(0, 1000))
+@settings(max_examples=8, deadline=None)
+def test_tessellation_changes_next_to_nothing(data, make, seed):
+    """Within what sampling misses of a square: sides of d/20 squared, thrice, over 36."""
+    original = data.draw(make.shapes)
+    before = original.values("ellipsoidal(a, b, c)")
+    for again in (make.quartered(original), make.punctured(original, seed)):
+        after = again.values("ellipsoidal(a, b, c)")
+        np.testing.assert_allclose(after, before, rtol=0, atol=3 / 20**2 / 36)
+
+
+def test_nasty_parts_stay_in_range(nasty):
+    low, high = ellipsoidal.traits.range
+    for title, part in nasty.items():
+        assert low <= ellipsoidal(part) <= high, title
