@@ -58,3 +58,10 @@ def open_box(tmp_path):
     lid = np.flatnonzero(box.triangles_center[:, 2] > 0.49)
     box.update_faces(~np.isin(np.arange(len(box.faces)), lid))
     return write_off(tmp_path / "open.off", box)
+
+
+@pytest.fixture
+def segmented(moseg, mallet, tmp_path):
+    result = tmp_path / "m.json"
+    assert moseg("segment", mallet, "--recipe", "hammer", "-o", result).code == 0
+    return result

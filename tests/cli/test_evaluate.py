@@ -212,3 +212,25 @@ def test_pairs_are_read(text, pairs):
 def test_other_text_is_no_pair(text):
     with pytest.raises(UsageError, match="is not understood"):
         read_rename(text)
+
+
+def test_a_result_against_numbers_and_against_itself(moseg, mallet, segmented, tmp_path):
+    labels = json.loads(segmented.read_text())["labels"]
+    seg = tmp_path / "same.seg"
+    seg.write_text("".join(f"{7 - label}\n" for label in labels))
+    run = moseg("evaluate", mallet, segmented, seg, segmented, "--json")
+    told = json.loads(run.out)
+    assert run.code == 0
+    assert told["truths"][0]["rand_index_error"] == 0
+    assert told["truths"][0]["named_right"] is None
+    assert told["truths"][1]["named_right"] == 1
+    assert "1-RI" in moseg("evaluate", mallet, segmented, seg).out
+    assert moseg("evaluate", mallet, segmented).code == 2
+
+
+def test_refuses_labels_of_another_shape(moseg, mallet, segmented, tmp_path):
+    seg = tmp_path / "short.seg"
+    seg.write_text("0\n1\n")
+    run = moseg("evaluate", mallet, segmented, seg)
+    assert run.code == 3
+    assert "2 labels" in run.err

@@ -2,44 +2,19 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from collections.abc import Iterator
 from importlib import metadata
-from textwrap import dedent
 
 import pytest
 
-from moseg_core import __version__
 from moseg_core.components.discovery.registry import (
     discover,
     registry,
 )
 from moseg_core.components.discovery.specs import ObjectiveSpec
 from moseg_core.errors import PluginError, UsageError
-from tests.conftest import Site
-
-GOOD = """
-    from moseg_core import MeasureSpec, ObjectiveSpec, hookimpl
-
-    @hookimpl
-    def moseg_objectives():
-        return [
-            ObjectiveSpec(name="slim", target="good_parts:slim", summary="long and thin"),
-            ObjectiveSpec(name="wide", target="good_parts:wide"),
-        ]
-
-    @hookimpl
-    def moseg_measures():
-        return [MeasureSpec(name="girth", target="good_parts:girth", keep=False)]
-"""
-
-
-@pytest.fixture
-def good(site):
-    """A site with one distribution that is in order."""
-    site.add("Good-Parts", "1.2.3", bundles={"good": "good_bundle"}, good_bundle=GOOD)
-    return site
+from tests.components.discovery.conftest import GOOD
 
 
 def core_entry_point() -> metadata.EntryPoint:
@@ -279,109 +254,6 @@ def test_an_interruption_is_not_taken_for_a_failure(site):
     site.add("slow", bundles={"slow": "slow_bundle"}, slow_bundle="raise KeyboardInterrupt")
     with pytest.raises(KeyboardInterrupt):
         site.discover()
-
-
-# --- contracts
-
-
-CONTRACTS = {
-    "stated": ("moseg_contract = 1", None),
-    "unstated": ("", None),
-    "newer": (
-        "moseg_contract = 7",
-        f"it was written for contract 7, and moseg-core {__version__} accepts 1; install a newer"
-        " moseg-core, or a Good-Parts for contract 1",
-    ),
-    "newer, with a hook that there is not": (
-        "moseg_contract = 7\n@hookimpl\ndef moseg_textures(): return []",
-        "it was written for contract 7, and",
-    ),
-    "not a number": ("moseg_contract = '1'", "moseg_contract must be a whole number from 1 on"),
-    "none at all": ("moseg_contract = 0", "moseg_contract must be a whole number from 1 on, not 0"),
-    "true": ("moseg_contract = True", "moseg_contract must be a whole number from 1 on, not True"),
-}
-
-
-@pytest.mark.parametrize("case", CONTRACTS)
-def test_a_bundle_says_which_contract_it_was_written_for(site, case):
-    said, problem = CONTRACTS[case]
-    source = f"{dedent(GOOD)}\n{said}\n"
-    site.add("Good-Parts", "1.2.3", bundles={"good": "good_bundle"}, good_bundle=source)
-    site.add("other", bundles={"other": "other_bundle"}, other_bundle=GOOD)
-    bundle, other = site.discover().bundles
-    assert (other.problem, len(other.components)) == (None, 3)
-    if problem is None:
-        assert (bundle.problem, bundle.contract, len(bundle.components)) == (None, 1, 3)
-    else:
-        assert bundle.problem.startswith("Good-Parts 1.2.3: ")
-        assert problem in bundle.problem
-        assert bundle.components == ()
-        assert "no such hook" not in bundle.problem
-
-
-def test_contracts_of_the_past_ask_for_a_newer_bundle(good, monkeypatch):
-    monkeypatch.setattr("moseg_core.components.discovery.contract.CONTRACT", 5)
-    monkeypatch.setattr("moseg_core.components.discovery.contract.ACCEPTED", frozenset({4, 5}))
-    (bundle,) = good.discover().bundles
-    assert bundle.problem == (
-        f"Good-Parts 1.2.3: it was written for contract 1, and moseg-core {__version__} accepts"
-        " 4, 5; install a newer Good-Parts, or an older moseg-core"
-    )
-
-
-def test_a_name_that_the_core_has_not_may_be_of_another_version_of_it(site):
-    source = "from moseg_core import TextureSpec"
-    site.add("new", "2.0", bundles={"new": "new_bundle"}, new_bundle=source)
-    (bundle,) = site.discover().bundles
-    assert "ImportError: cannot import name 'TextureSpec' from 'moseg_core'" in bundle.problem
-    assert bundle.problem.endswith(f"it may need another moseg-core than {__version__}")
-
-
-# --- installed twice
-
-
-def test_of_two_copies_the_one_that_python_imports_is_used_and_said_so(good, monkeypatch):
-    ahead = Site(good.folder / "ahead")
-    ahead.folder.mkdir()
-    source = GOOD.replace("slim", "slender")
-    ahead.add("good_parts", "2.0", bundles={"good": "good_bundle"}, good_bundle=source)
-    points = [*good.entry_points(), *ahead.entry_points()]
-    (bundle,) = discover(points).bundles
-    assert (bundle.problem, bundle.version) == (None, "1.2.3")
-    assert bundle.note == (
-        f"Good-Parts is installed 2 times, 1.2.3 in {good.folder} and 2.0 in {ahead.folder}; Python"
-        f" imports 1.2.3 in {good.folder}, so that one is used; uninstall the rest"
-    )
-    del sys.modules["good_bundle"]
-    monkeypatch.syspath_prepend(str(ahead.folder))
-    (bundle,) = discover(points).bundles
-    assert (bundle.problem, bundle.version) == (None, "2.0")
-    assert bundle.components[0].id == "good:slender"
-    assert f"Python imports 2.0 in {ahead.folder}" in bundle.note
-
-
-def test_an_editable_copy_is_at_home_in_its_project(site, monkeypatch):
-    wheel = Site(site.folder / "wheel")
-    wheel.folder.mkdir()
-    project = site.folder / "project"
-    (project / "src").mkdir(parents=True)
-    (project / "src" / "good_bundle.py").write_text(dedent(GOOD))
-    site.add("good-parts", "1.0", bundles={"good": "good_bundle"})
-    (info,) = site.folder.glob("*.dist-info")
-    direct = {"url": project.as_uri(), "dir_info": {"editable": True}}
-    (info / "direct_url.json").write_text(json.dumps(direct))
-    wheel.add("good-parts", "1.1", bundles={"good": "good_bundle"}, good_bundle=GOOD)
-    points = [*wheel.entry_points(), *site.entry_points()]
-    monkeypatch.syspath_prepend(str(wheel.folder))
-    monkeypatch.syspath_prepend(str(project / "src"))
-    (bundle,) = discover(points).bundles
-    assert (bundle.problem, bundle.version) == (None, "1.0")
-    assert f"Python imports 1.0 in {project}, so" in bundle.note
-
-
-def test_the_same_folder_twice_on_the_path_is_one_copy(good):
-    (bundle,) = discover([*good.entry_points(), *good.entry_points()]).bundles
-    assert (bundle.problem, bundle.note) == (None, "")
 
 
 # --- strictness

@@ -1,24 +1,19 @@
-"""Specs: what a name and a target may look like, and which hook brings which spec."""
+"""Specs: what a name and a target may look like."""
 
 from __future__ import annotations
 
 import dataclasses
-import typing
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from moseg_core.components.discovery import hookspecs
-from moseg_core.components.discovery.hookspecs import HOOKS
 from moseg_core.components.discovery.specs import (
     NAME,
-    Kind,
     MeasureSpec,
     ObjectiveSpec,
     OptimizerSpec,
     ReaderSpec,
-    Spec,
     WriterSpec,
 )
 from moseg_core.language import parse
@@ -83,21 +78,6 @@ def test_every_allowed_name_can_be_written_in_an_expression(name):
         name,
         f"{name}:{name}",
     ]
-
-
-def test_every_kind_has_its_spec_and_its_hook():
-    assert [kind for kind, _ in HOOKS.values()] == list(typing.get_args(Kind))
-    for hook, (kind, spec_type) in HOOKS.items():
-        assert issubclass(spec_type, Spec)
-        assert spec_type.kind == kind
-        declared = getattr(hookspecs, hook)
-        assert declared.moseg_spec is not None
-        assert spec_type.__name__ in declared.__annotations__["return"]
-
-
-def test_no_hook_is_declared_that_is_not_collected():
-    declared = {name for name in dir(hookspecs) if hasattr(getattr(hookspecs, name), "moseg_spec")}
-    assert declared == set(HOOKS)
 
 
 def test_specs_are_values_that_cannot_be_changed():

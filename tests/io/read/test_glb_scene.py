@@ -1,8 +1,5 @@
 from __future__ import annotations
 
-import json
-import struct
-
 import numpy as np
 import pytest
 import trimesh
@@ -10,69 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from moseg_core.io.read.glb_scene import read_glb
-
-CORNERS = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1.5)], "<f4")
-FACES = np.array([(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)], "<u2")
-COMPONENTS = {"i1": 5120, "u1": 5121, "i2": 5122, "u2": 5123, "u4": 5125, "f4": 5126}
-
-
-def pack(document: object, binary: bytes) -> bytes:
-    """A GLB file from its JSON and its binary chunk."""
-    text = document if isinstance(document, bytes) else json.dumps(document).encode()
-    text += b" " * (-len(text) % 4)
-    binary += b"\0" * (-len(binary) % 4)
-    chunks = struct.pack("<I4s", len(text), b"JSON") + text
-    if binary:
-        chunks += struct.pack("<I4s", len(binary), b"BIN\0") + binary
-    return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
-
-
-def glb(meshes: list[list[dict]], nodes: list[dict], **rest: object) -> tuple[dict, bytes]:
-    """Document and binary chunk; a primitive gives its "POSITION" and "indices" as arrays."""
-    binary, views, accessors = b"", [], []
-
-    def accessor(array: np.ndarray, **described: object) -> int:
-        nonlocal binary
-        array = np.asarray(array)
-        binary += b"\0" * (-len(binary) % 4)
-        views.append({"buffer": 0, "byteOffset": len(binary), "byteLength": array.nbytes})
-        binary += array.tobytes()
-        kind = "SCALAR" if array.ndim == 1 else f"VEC{array.shape[1]}"
-        accessors.append(
-            {"bufferView": len(views) - 1, "componentType": COMPONENTS[array.dtype.str[1:]],
-             "count": len(array), "type": kind, **described}
-        )  # fmt: skip
-        return len(accessors) - 1
-
-    listed = []
-    for mesh in meshes:
-        primitives = []
-        for given_primitive in mesh:
-            primitive = dict(given_primitive)
-            described = primitive.pop("described", {})
-            position = accessor(primitive.pop("POSITION"), **described)
-            primitive["attributes"] = {"POSITION": position}
-            if "indices" in primitive:
-                primitive["indices"] = accessor(primitive["indices"])
-            primitives.append(primitive)
-        listed.append({"primitives": primitives})
-    document = {
-        "asset": {"version": "2.0"},
-        "meshes": listed,
-        "nodes": nodes,
-        "accessors": accessors,
-        "bufferViews": views,
-        "buffers": [{"byteLength": len(binary)}],
-        **rest,
-    }
-    return document, binary
-
-
-TETRAHEDRON = {"POSITION": CORNERS, "indices": FACES.reshape(-1)}
-
-
-def one_node(**node: object) -> bytes:
-    return pack(*glb([[TETRAHEDRON]], [{"mesh": 0, **node}]))
+from tests.io.read.glb_files import CORNERS, FACES, TETRAHEDRON, glb, one_node, pack
 
 
 def corners_of(shape) -> np.ndarray:
@@ -301,41 +236,11 @@ def test_documents_that_are_wrong_are_refused_with_the_reason(edit, message, ref
     assert message in refusal(read_glb, "bad.glb", changed(edit))
 
 
-@pytest.mark.parametrize(
-    ("contents", "message"),
-    [
-        (b"", " is empty; export it again"),
-        (b'{"asset": {}}', " is not a GLB file (no 'glTF' at the beginning)"),
-        (b"glTF\2\0\0\0", " ends within its header; it is cut off"),
-        (b"glTF\1" + one_node()[5:], " has glTF version 1; export it as version 2"),
-        (one_node()[:-1], " bytes, but there are "),
-        (one_node() + b"\0", " bytes, but there are "),
-        (
-            one_node()[:12] + b"\xff\xff\0\0" + one_node()[16:],
-            " has a chunk that runs past its end",
-        ),
-        (one_node()[:16] + b"BIN\0" + one_node()[20:], " does not begin with a JSON chunk"),
-        (pack(b"{,}", b""), " has damaged JSON ("),
-        (pack(b"\xff\xfe{}", b""), " has damaged JSON ("),
-        (pack(b"[" * 100_000, b""), " has damaged JSON ("),
-        (pack([], b""), " has JSON that is no object"),
-        (pack({}, b""), " has no faces"),
-    ],
-)
-def test_containers_that_are_wrong_are_refused_with_the_reason(contents, message, refusal):
-    assert message in refusal(read_glb, "bad.glb", contents)
-
-
 def test_a_long_chain_of_nodes_is_walked(as_file):
     nodes = [{"children": [k + 1], "translation": [1, 0, 0]} for k in range(3000)]
     contents = pack(*glb([[TETRAHEDRON]], [*nodes, {"mesh": 0}]))
     assert corners_of(read_glb(as_file("chain.glb", contents))).min() == 0
     assert corners_of(read_glb(as_file("chain.glb", contents)))[..., 0].max() == 3001
-
-
-def test_a_file_that_is_cut_off_is_never_read(accepted_cuts):
-    contents = one_node()
-    assert accepted_cuts(read_glb, "cut.glb", contents, range(0, len(contents), 2)) == {}
 
 
 def test_damaged_bytes_are_read_or_refused(damages):

@@ -1,0 +1,71 @@
+"""Ctrl-C in a long run."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+
+SENTENCE = "3*narrow(handle) + perpendicular(handle, head) + convex_parts"
+
+
+def interrupted(words, cwd):
+    """Run the command line and press Ctrl-C once the search is under way."""
+    process = subprocess.Popen(
+        # One process: a copy of it would not see that the signal has come.
+        [sys.executable, "-u", "-c", _RUNNER, *words, "--workers", "1"],
+        cwd=cwd,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env={**os.environ, "PYTHONUNBUFFERED": "1"},
+    )
+    for line in process.stderr:
+        if "polling" in line:
+            process.send_signal(signal.SIGINT)
+            break
+    out, err = process.communicate(timeout=120)
+    return process.returncode, out, err
+
+
+# The search says when it polls and then waits, so that the signal comes in the middle of it.
+_RUNNER = """
+import sys, time
+import moseg_core.builtin.pattern_search as module
+ask = module.PatternSearch.ask
+count = 0
+def slow(self):
+    global count
+    count += 1
+    if count == 3:
+        print("polling", file=sys.stderr, flush=True)
+        until = time.monotonic() + 60
+        while time.monotonic() < until and not stopped:
+            time.sleep(0.01)
+    return ask(self)
+module.PatternSearch.ask = slow
+stopped = []
+import moseg_core.cli.interrupt as interrupt
+say = interrupt.message
+interrupt.message = lambda text: (stopped.append(1), say(text))
+from moseg_core.cli import main
+main(sys.argv[1:])
+"""
+
+
+def test_ctrl_c_writes_the_best_so_far_when_outputs_were_asked_for(mallet, tmp_path):
+    out = tmp_path / "cut.json"
+    code, _, err = interrupted(["segment", str(mallet), "--recipe", "hammer", "-o", str(out)], ".")
+    assert code == 130
+    assert "finishing with the best so far" in err
+    assert json.loads(out.read_text())["reason"] == "interrupted"
+    assert "interrupted" in json.loads(out.read_text())["warnings"][0]
+
+
+def test_ctrl_c_without_outputs_ends_at_once(mallet, tmp_path):
+    code, out, err = interrupted(["segment", str(mallet), "--recipe", "hammer"], ".")
+    assert code == 130
+    assert out == ""
+    assert "interrupted" in err

@@ -1,0 +1,76 @@
+"""``moseg plugin explain``."""
+
+from __future__ import annotations
+
+import json
+
+from moseg_core.components.discovery.registry import registry
+
+
+def test_explain_an_objective(moseg):
+    run = moseg("plugin", "explain", "area_fraction")
+    assert run.code == 0
+    text = " ".join(run.out.split())
+    for words in (
+        "basic:area_fraction objective",
+        "min = 0 number, 0 to 1 Bounds of the share",
+        "range 0 to 1",
+        "takes one label, or several to be summed",
+        "needs nothing but the parts",
+        "unchanged by order, reflection, rigid, scale, tessellation",
+        "cost cheap",
+        "from moseg-objectives-basic 0.1.0",
+        "target moseg_objectives_basic.area:area_fraction",
+        "max(min - share, share - max, 0)",
+    ):
+        assert words in text, words
+    assert "`" not in run.out
+    needs = " ".join(moseg("plugin", "explain", "basic:convex_parts").out.split())
+    assert "needs volume" in needs
+    assert "range 0 to infinity" in needs
+
+
+def test_explain_begins_with_the_summary_and_says_nothing_twice(moseg):
+    narrow = moseg("plugin", "explain", "narrow").out
+    assert narrow.splitlines()[1].strip() == "one part: long and thin"
+    assert "(s2 + s3) / (2 s1)" in narrow  # what the docstring begins with comes next
+    assert moseg("plugin", "explain", "core:seg").out.lower().count("one label number a line") == 1
+
+
+def test_explain_other_kinds(moseg):
+    seeder = " ".join(moseg("plugin", "explain", "kmeans").out.split())
+    assert "rounds = 100 whole number, 1 or more Most rounds to run." in seeder
+    assert "Algorithm 2" in seeder  # where it comes from, in the words of its module
+    assert "moseg recipes basic:hammer" in moseg("plugin", "explain", "hammer").out
+    assert ".off" in moseg("plugin", "explain", "core:off").out
+    assert "moseg embed --help" in moseg("plugin", "explain", "embed").out
+    # One name for two kinds of the same bundle: both.
+    both = json.loads(moseg("plugin", "explain", "core:ply", "--json").out)
+    assert [told["kind"] for told in both] == ["reader", "writer"]
+
+
+def test_explain_as_json(moseg):
+    (told,) = json.loads(moseg("plugin", "explain", "rotational_symmetric", "--json").out)
+    assert told["id"] == "basic:rotational_symmetric"
+    assert told["distribution"] == "moseg-objectives-basic 0.1.0"
+    assert told["traits"]["range"] == [0, 1]
+    assert told["traits"]["requires"] == ["surface"]
+    (parameter,) = told["parameters"]
+    assert (parameter["name"], parameter["default"]) == ("n", 2)
+    assert (parameter["low"], parameter["high"]) == (2, None)
+
+
+def test_explain_everything_that_is_installed(moseg):
+    for component in registry().components():
+        told = json.loads(moseg("plugin", "explain", component.id, "--json").out)
+        assert component.kind in [entry["kind"] for entry in told]
+        assert all(entry["headline"] for entry in told)
+        for parameter in [p for entry in told for p in entry["parameters"]]:
+            assert parameter["says"], f"'{parameter['name']}' of {component.id} is not documented"
+
+
+def test_explain_says_what_is_near(moseg):
+    run = moseg("plugin", "explain", "narow")
+    assert run.code == 2
+    assert "did you mean 'narrow'" in run.err
+    assert "did you mean 'core:kmeans'" in moseg("plugin", "explain", "core:kmean").err
