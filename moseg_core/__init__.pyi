@@ -67,6 +67,8 @@ from moseg_core.problem.hierarchy import Hierarchy as Hierarchy
 from moseg_core.problem.problem import Problem as Problem
 from moseg_core.problem.recipe import Recipe as Recipe
 from moseg_core.problem.recipe import load_recipe as load_recipe
+from moseg_core.problem.settings import SearchOptions as SearchOptions
+from moseg_core.problem.statement import Statement as Statement
 from moseg_core.samples import sample_labels_path as sample_labels_path
 from moseg_core.samples import sample_path as sample_path
 from moseg_core.search.clipped_result import clip as clip
@@ -89,5 +91,3 @@ from moseg_core.shape.volume.capped import capped_volume as capped_volume
 from moseg_core.view.picture import render_picture as render_picture
 
 __version__: str
-from moseg_core.problem.settings import SearchOptions as SearchOptions
-from moseg_core.problem.statement import Statement as Statement

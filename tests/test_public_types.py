@@ -28,8 +28,8 @@ NEED_NO_NAME = {
     "FunctionObjective": "what the decorator makes: an Objective",
     "MeasureResolver": "how a part finds a measure: given by the core",
     "Memo": "the values that a run remembers: given by the core",
-    "Method": "the components of a run: every caller gives them one by one",
-    "Options": "the arguments of `segment` as a TypedDict: for `**options` alone",
+    "OptionValues": "the arguments of `segment` as a TypedDict: for `**options` alone",
+    "SettledOptions": "what search options come to: made and read within the core",
     "Summary": "a part's sums before they are asked for: made and read within the core",
     "UnaryCosts": "the cost matrix: its fields are read, it is never made by a caller",
 }
