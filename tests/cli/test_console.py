@@ -1,7 +1,11 @@
-"""Progress on a terminal: bars are drawn, and no thread runs where worker processes are forked."""
+"""Printing: what goes where, and what a terminal is shown besides.
+
+Progress bars are drawn on a terminal only, and no thread runs where worker processes are forked.
+"""
 
 from __future__ import annotations
 
+import io
 import json
 import os
 import pty
@@ -11,9 +15,10 @@ from textwrap import dedent
 
 import pytest
 
-from moseg_core.cli.console import progress_reporter
+from moseg_core.cli.console import console, message, progress_reporter, terms_table
 from moseg_core.components.cost import Cost
 from moseg_core.components.protocols import Progress
+from moseg_core.problem.aggregate import CallValue, Evaluation, TermValue
 
 #: ``moseg`` with a record of the threads that were alive at every fork, the main one left out.
 WATCHED = """
@@ -76,8 +81,67 @@ def test_no_thread_runs_where_workers_are_forked_on_a_terminal(mallet, tmp_path)
     assert out.exists()
 
 
+class Terminal(io.StringIO):
+    """A stream that says that somebody looks at it."""
+
+    def isatty(self) -> bool:
+        return True
+
+
+def printed(evaluation: Evaluation) -> list[list[str]]:
+    """The rows of the table of terms, each as its words."""
+    stream = io.StringIO()
+    console(stream).print(terms_table(evaluation))
+    return [line.split() for line in stream.getvalue().splitlines() if line.strip()]
+
+
+def term(text, weight, *calls):
+    values = tuple(CallValue(labels=labels, value=value) for labels, value in calls)
+    return TermValue(text=text, objective="acme:f", weight=weight, calls=values, worst=1.0)
+
+
+def test_each_call_is_a_row_with_its_share():
+    terms = (
+        term("narrow(leg*) @ mds", 3.0, (("leg1",), 0.5), (("leg2",), None)),
+        term("convex_parts", -1.0, ((), 0.5)),
+    )
+    rows = printed(Evaluation(cost=Cost(0, 1.0), terms=terms))
+    assert rows == [
+        ["term", "parts", "value", "weight", "cost", "share"],
+        ["narrow", "@", "mds", "leg1", "0.500000", "3", "1.500000", "75.0", "%"],
+        ["narrow", "@", "mds", "leg2", "left", "out", "3"],
+        ["convex_parts", "all", "0.500000", "-1", "-0.500000", "25.0", "%"],
+        ["total", "1.000000"],
+    ]
+
+
+def test_shares_of_nothing_are_not_shown():
+    rows = printed(Evaluation(cost=Cost(0, 0.0), terms=(term("f(a)", 1.0, (("a",), 1e-9)),)))
+    assert rows[1] == ["f", "a", "0.000000", "1", "0.000000"]
+
+
+def test_lines_stay_whole_where_nobody_looks():
+    assert console(io.StringIO()).width == 120
+    assert console(Terminal()).width != 120 or sys.stdout.isatty()
+
+
+def test_messages_go_to_stderr_unless_it_is_to_be_quiet(capsys):
+    message("one")
+    message("two", quiet=True)
+    assert capsys.readouterr() == ("", "moseg: one\n")
+
+
 @pytest.mark.parametrize("quiet", [False, True])
-def test_nothing_is_drawn_off_a_terminal(capsys, quiet):
-    with progress_reporter(quiet=quiet) as report:
-        assert report(Progress(stage="search", done=1, best=Cost(0, 1.0))) is False
-    assert capsys.readouterr().err == ""
+def test_progress_is_shown_on_a_terminal_only(monkeypatch, quiet):
+    for stream in (io.StringIO(), Terminal()):
+        monkeypatch.setattr(sys, "stderr", stream)
+        with progress_reporter(quiet=quiet) as report:
+            for done, best in ((1, None), (2, Cost(1, 0.25))):
+                assert report(Progress(stage="k-means", done=done, best=best)) is False
+            assert report(Progress(stage="polish", done=7, fraction=0.5)) is False
+        shown = stream.getvalue()
+        assert bool(shown) == (stream.isatty() and not quiet)
+        if shown:
+            assert "k-means 2" in shown
+            assert "cost 0.25 (1 empty)" in shown
+            assert "polish 7" in shown

@@ -1,13 +1,16 @@
-"""Commands that bundles bring: a function, or an App with commands of its own."""
+"""Running a command: those of bundles, errors and exit codes."""
 
 from __future__ import annotations
 
+import os
+import subprocess
 import sys
 
 import pytest
 
 from moseg_core.cli import entry
 from moseg_core.cli.app import app
+from moseg_core.errors import MosegError, PluginError, ShapeError, UsageError
 
 COMMANDS = """\
     from cyclopts import App
@@ -106,3 +109,82 @@ def test_a_command_that_cannot_be_imported_is_in_nobody_elses_way(moseg, acme):
     assert run.code == 1
     assert "command 'acme:measure' of acme 1.0 cannot be loaded" in run.err
     assert "did you mean 'segment'?" in moseg("segmen").err
+
+
+def test_a_command_of_a_bundle_is_imported_when_it_is_asked_for(site):
+    modules = {
+        name: f'def {name}() -> None:\n    """Say {name}."""\n    print("said {name}")\n'
+        for name in ("hum", "sing")
+    }
+    hooks = (
+        "from moseg_core import CommandSpec, hookimpl\n@hookimpl\ndef moseg_commands():\n"
+        "    return [CommandSpec(name=n, target=f'{n}:{n}', summary=n) for n in ('hum', 'sing')]\n"
+    )
+    site.add("choir", bundles={"choir": "choir_bundle"}, choir_bundle=hooks, **modules)
+    code = (
+        "import sys\nfrom moseg_core.cli import main\ntry:\n    main(sys.argv[1:])\n"
+        "finally:\n    print(sorted({'hum', 'sing'} & set(sys.modules)))\n"
+    )
+    ended = {}
+    for word in ("hum", "hun", "recipes"):
+        ended[word] = subprocess.run(
+            [sys.executable, "-c", code, word],
+            env=os.environ | {"PYTHONPATH": str(site.folder)},
+            capture_output=True,
+            text=True,
+        )
+    assert (ended["hum"].returncode, ended["hum"].stdout) == (0, "said hum\n['hum']\n")
+    assert (ended["recipes"].returncode, ended["recipes"].stdout[-3:]) == (0, "[]\n")
+    assert ended["hun"].returncode == 2
+    assert "did you mean 'hum'" in ended["hun"].stderr
+
+
+def run_command(moseg, monkeypatch, error):
+    """What ``moseg recipes`` ends with where it raises."""
+
+    def fail(*args, **options):
+        raise error
+
+    monkeypatch.setattr("moseg_core.cli.recipes.run_recipes", fail)
+    return moseg("recipes")
+
+
+@pytest.mark.parametrize(
+    ("error", "code"),
+    [
+        (MosegError("it broke"), 1),
+        (PluginError("it broke"), 1),
+        (UsageError("it broke"), 2),
+        (ShapeError("it broke"), 3),
+    ],
+)
+def test_an_error_is_its_message_and_its_exit_code(moseg, monkeypatch, error, code):
+    run = run_command(moseg, monkeypatch, error)
+    assert (run.code, run.out, run.err) == (code, "", "moseg: it broke\n")
+
+
+def test_an_interruption_is_130(moseg, monkeypatch):
+    run = run_command(moseg, monkeypatch, KeyboardInterrupt())
+    assert (run.code, run.err) == (130, "moseg: interrupted\n")
+
+
+def test_what_is_no_error_of_ours_keeps_its_traceback(moseg, monkeypatch):
+    with pytest.raises(ZeroDivisionError):
+        run_command(moseg, monkeypatch, ZeroDivisionError())
+
+
+@pytest.mark.parametrize(("lines", "code"), [(1, 0), (None, 1)], ids=["reader gone", "disk full"])
+def test_output_that_nobody_takes(lines, code):
+    """``moseg plugin list | head -1`` is no failure; a full disk is one, told in a line."""
+    command = [sys.executable, "-m", "moseg_core", "plugin", "list", "--json"]
+    if lines is None:
+        with open("/dev/full", "w") as full:
+            done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True)
+        assert done.stderr == "moseg: cannot write the output: No space left on device\n"
+        assert done.returncode == code
+        return
+    reader, writer = os.pipe()
+    os.close(reader)
+    done = subprocess.run(command, stdout=writer, stderr=subprocess.PIPE, text=True)
+    os.close(writer)
+    assert (done.returncode, done.stderr) == (code, "")

@@ -1,0 +1,50 @@
+"""From a file and the options on how to read it to a shape."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from moseg_core.cli.flags import ShapeFlags
+from moseg_core.cli.reading import read_shape
+from moseg_core.errors import ShapeError
+
+
+@pytest.fixture
+def grid(tmp_path):
+    path = tmp_path / "cube.npy"
+    np.save(path, np.ones((3, 3, 3), bool))
+    return path
+
+
+@pytest.fixture
+def cloud(tmp_path):
+    """Corners and middles of a cube's edges and faces."""
+    path = tmp_path / "cube.xyz"
+    places = np.stack(np.meshgrid(*[np.arange(3.0)] * 3), axis=-1).reshape(-1, 3)
+    np.savetxt(path, places[~(places == 1.0).all(axis=1)])
+    return path
+
+
+def test_without_options_a_shape_is_what_its_file_says(grid, cloud, open_box):
+    assert read_shape(grid, ShapeFlags()).n_elements == 27
+    assert read_shape(cloud, ShapeFlags()).adjacency is None
+    assert read_shape(open_box, ShapeFlags()).volume is None
+
+
+def test_cells_of_the_surface_alone(grid, cloud):
+    shape = read_shape(grid, ShapeFlags(voxels="surface"))
+    assert (shape.n_elements, shape.solid) == (26, False)
+    assert read_shape(cloud, ShapeFlags(voxels="surface")).n_elements == 26  # nothing to clouds
+
+
+def test_neighbours_and_a_volume_are_there_if_asked_for(cloud, open_box):
+    assert read_shape(cloud, ShapeFlags(adjacency="knn")).adjacency is not None
+    assert read_shape(open_box, ShapeFlags(adjacency="none")).adjacency is None
+    assert read_shape(cloud, ShapeFlags(volume="hull")).volume == pytest.approx(8.0)
+    assert read_shape(open_box, ShapeFlags(volume="2.5")).volume == 2.5
+
+
+def test_a_file_that_is_not_there(tmp_path):
+    with pytest.raises(ShapeError, match="does not exist"):
+        read_shape(tmp_path / "none.off", ShapeFlags())

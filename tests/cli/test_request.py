@@ -1,0 +1,70 @@
+"""From options to a statement and to search options: what replaces what."""
+
+from __future__ import annotations
+
+import pytest
+
+from moseg_core.cli.flags import ProblemFlags, SearchedProblemFlags, SearchFlags, SteeringFlags
+from moseg_core.cli.request import read_pins, read_search, read_statement, read_task
+from moseg_core.components.chosen import Choice
+from moseg_core.errors import UsageError
+from moseg_core.problem.recipe import load_recipe
+
+
+def test_options_replace_what_the_recipe_says_and_nothing_else():
+    recipe = load_recipe("bulldog").statement
+    assert read_statement(SearchedProblemFlags(recipe="bulldog")) == recipe
+    changed = read_statement(SearchedProblemFlags(recipe="bulldog", minimize="narrow(leg*)"))
+    assert (changed.labels, changed.minimize) == (recipe.labels, "narrow(leg*)")
+    assert (changed.constraints, changed.plane) == (recipe.constraints, recipe.plane)
+
+
+def test_none_leaves_out_what_the_recipe_has():
+    found = read_statement(SearchedProblemFlags(recipe="bulldog", constraint=["none"]))
+    assert found.constraints == ()
+    octopus = load_recipe("octopus").statement
+    assert octopus.embedding is not None
+    found = read_statement(ProblemFlags(recipe="octopus", embedding="none"))
+    assert (found.embedding, found.space) == (None, None)
+
+
+def test_without_a_recipe_labels_and_expression_are_needed():
+    found = read_statement(ProblemFlags(labels=" a, b ", minimize="narrow(a)"))
+    assert (found.labels, found.minimize) == (("a", "b"), "narrow(a)")
+    for flags in (ProblemFlags(), ProblemFlags(labels="a"), ProblemFlags(minimize="narrow(a)")):
+        with pytest.raises(UsageError, match="say what to look for"):
+            read_statement(flags)
+
+
+def test_a_plane_that_nothing_needs_is_an_error():
+    flags = SearchedProblemFlags(labels="a,b", minimize="narrow(a)", plane="x")
+    with pytest.raises(UsageError, match=r"--plane x .* such as --constraint 'on_plane\(a\)'"):
+        read_task(flags)
+
+
+def test_centres_by_hand_are_a_seeder():
+    options = read_search(SearchFlags(seed=4), SteeringFlags(centers="a=0,0,0"))
+    assert options.seeder == Choice("given", {"centers": "a=0,0,0"})
+    assert options.seed == 4
+    with pytest.raises(UsageError, match="--centers goes with the seeder 'given', not 'kmeans'"):
+        read_search(SearchFlags(seeder="kmeans"), SteeringFlags(centers="a=0,0,0"))
+
+
+def test_as_many_workers_as_there_are_processors(monkeypatch):
+    monkeypatch.setattr("moseg_core.cli.request.available_workers", lambda: 5)
+    assert read_search(SearchFlags(), SteeringFlags()).workers == 5
+    assert read_search(SearchFlags(workers=1), SteeringFlags()).workers == 1
+
+
+def test_pins_of_one_label_add_up():
+    found = read_pins(["head=3,5", "leg=0", "head=7"])
+    assert {name: elements.tolist() for name, elements in found.items()} == {
+        "head": [3, 5, 7],
+        "leg": [0],
+    }
+
+
+@pytest.mark.parametrize("word", ["head", "head=", "head=a", "=", "head=1,,2"])
+def test_other_words_are_no_pins(word):
+    with pytest.raises(UsageError, match="write --pin label=120,121"):
+        read_pins([word])

@@ -1,0 +1,133 @@
+"""Reading and writing by suffix: which component is asked, and what is left on the disk."""
+
+from __future__ import annotations
+
+import os
+import stat
+import sys
+import types
+
+import pytest
+
+from moseg_core.components.discovery.registry import Bundle, Component, Registry, registry
+from moseg_core.components.discovery.specs import ReaderSpec, WriterSpec
+from moseg_core.errors import MosegError, PluginError, ShapeError, UsageError
+from moseg_core.io.files import check_destination, check_output, load, save, write_file
+from tests.results import result_on
+
+
+@pytest.fixture
+def acme(monkeypatch):
+    """A registry of readers and writers that are functions of a module made for the test."""
+    home = types.ModuleType("acme_formats")
+    monkeypatch.setitem(sys.modules, "acme_formats", home)
+
+    def make(**functions):
+        home.__dict__.update(functions)
+        specs = [
+            kind(name=name, target=f"acme_formats:{name}", suffixes=(f".{name}",))
+            for name in functions
+            for kind in (ReaderSpec, WriterSpec)
+        ]
+        parts = tuple(Component("acme", "moseg-acme 1.4", spec) for spec in specs)
+        return Registry((Bundle("acme", "moseg-acme", "1.4", "acme", parts),))
+
+    return make
+
+
+def test_the_suffix_says_which_reader_is_asked(acme, tmp_path, box):
+    asked = []
+    source = acme(tee=lambda path: asked.append(path) or box, other=lambda path: None)
+    path = tmp_path / "x.TEE"
+    path.touch()
+    assert load(path, source=source) is box
+    assert load(str(path), source=source) is box
+    assert asked == [path, path]
+
+
+def test_what_is_not_there_is_said_before_a_reader_is_asked(acme, tmp_path):
+    source = acme(tee=lambda path: pytest.fail("asked"))
+    with pytest.raises(ShapeError, match=r"x\.tee' does not exist"):
+        load(tmp_path / "x.tee", source=source)
+    (tmp_path / "folder.tee").mkdir()
+    with pytest.raises(ShapeError, match="is a folder; name a file in it"):
+        load(tmp_path / "folder.tee", source=source)
+    with pytest.raises(UsageError, match=r"cannot read files '\.tea'; formats: \.tee"):
+        load(tmp_path / "x.tea", source=source)
+
+
+def failing(error):
+    def read(path):
+        raise error
+
+    return read
+
+
+@pytest.mark.parametrize(
+    ("reader", "kind", "says"),
+    [
+        (lambda path: 3, PluginError, "reader 'acme:tee' of moseg-acme 1.4 returned a int, not a"),
+        (failing(KeyError("x")), PluginError, r"of moseg-acme 1\.4 failed on '.*x\.tee'"),
+        (failing(ShapeError("torn")), ShapeError, "^torn$"),
+        (failing(PermissionError(13, "Permission denied")), ShapeError, "read: Permission"),
+    ],
+)  # fmt: skip
+def test_a_reader_that_fails_is_named_unless_it_is_the_files_fault(
+    acme, tmp_path, reader, kind, says
+):
+    path = tmp_path / "x.tee"
+    path.touch()
+    with pytest.raises(kind, match=says):
+        load(path, source=acme(tee=reader))
+
+
+def test_a_writer_gets_the_result_and_gives_the_bytes(acme, tmp_path, box):
+    result = result_on(box)
+    source = acme(tee=lambda given: f"{given.shape.name}".encode())
+    save(result, tmp_path / "x.tee", source=source)
+    assert (tmp_path / "x.tee").read_bytes() == b"box"
+    with pytest.raises(PluginError, match=r"writer 'acme:tee' .* returned a str, not bytes"):
+        save(result, tmp_path / "y.tee", source=acme(tee=lambda given: "text"))
+    assert os.listdir(tmp_path) == ["x.tee"]
+
+
+def test_a_destination_is_checked_before_the_search(tmp_path):
+    assert check_output(tmp_path / "x.json").id == "core:json"
+    with pytest.raises(UsageError, match=r"cannot write files '\.docx'"):
+        check_output(tmp_path / "x.docx")
+    (tmp_path / "x.ply").mkdir()
+    with pytest.raises(UsageError, match="it is a folder"):
+        check_output(tmp_path / "x.ply")
+    with pytest.raises(UsageError, match=r"there is no folder '.*nowhere'"):
+        check_destination(tmp_path / "nowhere" / "x.json")
+
+
+def test_a_file_is_replaced_whole_or_not_at_all(tmp_path, monkeypatch):
+    path = tmp_path / "x.json"
+    write_file(path, b"old")
+    write_file(path, b"new")
+    assert path.read_bytes() == b"new"
+
+    def no_space(*args):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("moseg_core.io.files.Path.replace", no_space)
+    with pytest.raises(MosegError, match=r"cannot write '.*': No space left on device"):
+        write_file(path, b"newer")
+    assert path.read_bytes() == b"new"
+    assert os.listdir(tmp_path) == ["x.json"]
+
+
+def test_a_file_has_the_permissions_of_any_new_file(tmp_path):
+    before = os.umask(0o027)
+    try:
+        write_file(tmp_path / "x.json", b"")
+    finally:
+        os.umask(before)
+    assert stat.S_IMODE((tmp_path / "x.json").stat().st_mode) == 0o640
+
+
+def test_every_suffix_that_is_installed_has_one_writer_and_reader_at_most():
+    for kind in ("reader", "writer"):
+        suffixes = [s for c in registry().components(kind) for s in c.spec.suffixes]
+        assert len(suffixes) == len(set(suffixes))

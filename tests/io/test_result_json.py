@@ -1,0 +1,78 @@
+"""Results as JSON: what is written is what is read back, and damage is named."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+from moseg_core.errors import UsageError
+from moseg_core.io.result_json import FORMAT, evaluation_document, read_result, write_json
+from tests.results import result_on
+
+
+@pytest.fixture
+def written(box, tmp_path):
+    path = tmp_path / "x.json"
+    path.write_bytes(write_json(result_on(box, warnings=("watch out",), dimension=(6, 8))))
+    return path
+
+
+def test_what_is_written_is_read_back(written, box):
+    result, saved = result_on(box), read_result(written)
+    assert saved.labels.tolist() == result.labels.tolist()
+    assert saved.names == ("first", "second")
+    assert saved.statement.minimize == "2*area(first)"
+    assert saved.evaluation == result.evaluation
+    np.testing.assert_array_equal(saved.centers.positions, result.centers.positions)
+    np.testing.assert_array_equal(saved.centers.weights, [1.0, 2.0])
+    assert (saved.seed, saved.reason, saved.warnings) == (3, "converged", ("watch out",))
+    assert saved.shape["fingerprint"] == box.fingerprint
+    assert {stage: tuple(records) for stage, records in saved.history.items()} == result.history
+
+
+def test_each_entry_is_one_line(written):
+    lines = written.read_text().splitlines()
+    document = json.loads(written.read_text())
+    assert len(lines) == len(document) + 2
+    assert document["dimension"] == {"free": 6, "all": 8}
+    assert document["format"] == FORMAT
+
+
+def test_json_has_no_word_for_infinity_and_nan(box, tmp_path):
+    result = result_on(box, history={"search": ({"iteration": 0, "value": math.nan},)})
+    (term,) = evaluation_document(result.evaluation)["terms"]
+    assert term["worst"] is None  # there is no greatest area
+    path = tmp_path / "x.json"
+    path.write_bytes(write_json(result))
+    assert b"NaN" not in path.read_bytes()
+    assert read_result(path).history["search"] == [{"iteration": 0, "value": None}]
+    assert read_result(path).evaluation.terms[0].worst == math.inf
+
+
+@pytest.mark.parametrize(
+    ("edit", "says"),
+    [
+        (lambda document: document.pop("format"), "is not a moseg result; make one with"),
+        (lambda document: document.update(format="other/9"), "has the format 'other/9'"),
+        (lambda document: document.pop("labels"), r"is a damaged result \(KeyError: 'labels'\)"),
+        (lambda document: document.update(terms=3), "is a damaged result"),
+        (lambda document: document["cost"].update(value="low"), "is a damaged result"),
+    ],
+)  # fmt: skip
+def test_other_documents_are_refused(written, edit, says):
+    document = json.loads(written.read_text())
+    edit(document)
+    written.write_text(json.dumps(document))
+    with pytest.raises(UsageError, match=says):
+        read_result(written)
+
+
+@pytest.mark.parametrize("contents", [b"", b"{", b"\xff\xfe", b"[]", b"3"])
+def test_other_files_are_refused(tmp_path, contents):
+    path = tmp_path / "x.json"
+    path.write_bytes(contents)
+    with pytest.raises(UsageError, match=r"cannot be read as a result|is not a moseg result"):
+        read_result(path)
