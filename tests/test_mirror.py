@@ -26,27 +26,12 @@ MIRRORED = {
 #: Modules, or folders of them, without a test file of their own, and why.
 ELSEWHERE = {
     "moseg_core/__main__.py": "three lines: every test that runs `python -m moseg_core`",
-    "moseg_core/bench": "by the tables that it prints: test_run.py, test_tables.py, test_psb.py",
-    "moseg_core/cli/benchmark.py": "tests/system/test_benchmark_command.py",
     "moseg_core/cli/plugin_app.py": "declares commands, each with a file: test_plugin_new.py, ...",
-    "moseg_core/components/chosen.py": "what is chosen: tests/search/test_segment.py",
-    "moseg_core/components/constraint_function.py": "tests/problem/test_constraints.py",
     "moseg_core/components/protocols.py": "declarations, to which the kit holds every component",
     "moseg_core/search/beginning.py": "a step of `segment`: test_steering.py",
     "moseg_core/search/clipped_result.py": "tests/cli/test_clip.py",
     "moseg_core/search/restarts.py": "a step of `segment`: test_segment_coarse.py",
     "moseg_core/search/run.py": "a step of `segment`: test_segment.py",
-    "moseg_core/shape/compiled.py": "how kernels are compiled: by every kernel's test",
-    "moseg_core/shape/data.py": "what a shape is made of: test_shape.py, test_shape_kinds.py",
-    "moseg_core/shape/geometry.py": "base of kinds: test_mesh.py, test_cloud.py, test_voxels.py",
-    "moseg_core/shape/heap.py": "by the floods that use it: tests/builtin/test_flood.py",
-    "moseg_core/shape/labels.py": "by everything that takes labels: test_problem.py, test_clip.py",
-    "moseg_core/shape/volume/enclosed.py": "by the shapes that it measures: test_shape.py",
-    "moseg_core/shape/volume/winding_tree.py": "with the sum that it bounds: test_winding.py",
-    "moseg_core/testing/check.py": "what a check is: test_run.py",
-    "moseg_core/testing/checks": "each by a component that breaks it: test_run.py, test_kit.py",
-    "moseg_core/testing/fixtures/trial.py": "tests/testing/test_examples.py",
-    "moseg_core/testing/processes": "as one command: test_watching_parent.py",
     "moseg_core/view/scene.py": "plain records, drawn by test_svg.py and test_png.py",
 }
 
