@@ -32,8 +32,7 @@ def _moved(shape: moseg.Shape, seed: int):
 
 def _solve(shape: moseg.Shape, recipe: str) -> moseg.Result:
     found = moseg.load_recipe(recipe)
-    problem = moseg.Problem(found.labels, found.minimize)
-    return moseg.segment(shape, problem, method=found.method)
+    return moseg.segment(shape, found.problem(), defaults=found.statement.search)
 
 
 @pytest.mark.slow

@@ -1,6 +1,6 @@
 from __future__ import annotations
 
-from moseg_core import Problem, load_recipe
+from moseg_core import Problem, SearchOptions, load_recipe
 
 LEGS = [("leg1",), ("leg2",), ("leg3",), ("leg4",)]
 
@@ -50,8 +50,8 @@ def test_recipes_are_figure_9():
 
 def test_recipes_are_solved_as_in_the_paper():
     for name in FIGURE_9:
-        method = load_recipe(name).method
-        chosen = [method.parameterization, method.seeder, method.labeler, method.optimizer]
+        found = SearchOptions(settings="paper").settled(load_recipe(name).statement.search)
+        chosen = [found.parameterization, found.seeder, found.labeler, found.optimizer]
         seeder = {"hammer": "kmeans", "horse": "evolution"}[name]
         assert [str(c) for c in chosen] == ["voronoi", seeder, "hungarian", "pattern_search"]
 
