@@ -130,7 +130,8 @@ def prepare(choice: Choice, kind: Kind, registry: Registry) -> Ready:
     UsageError
         Unknown component or parameter, with the nearest name; a value out of range.
     PluginError
-        The component's bundle is broken, or its presets are not parameters of it.
+        The component's bundle is broken, or its presets or its spec speak of parameters that
+        it does not have.
     """
     component = registry.find(kind, choice.name)
     target = component.load()
@@ -146,6 +147,12 @@ def prepare(choice: Choice, kind: Kind, registry: Registry) -> Ready:
         raise PluginError(
             f"{kind} '{component.id}' of {component.distribution} cannot be used: {error}; {REPORT}"
         ) from error
+    if getattr(component.spec, "takes_centers", False) and not any(
+        parameter.name == "centers" for parameter in declared
+    ):
+        raise PluginError(
+            f"{component.who} is said to take centres and has no parameter 'centers'; {REPORT}"
+        )
     parameters = check_parameters(declared, choice.parameters, f"{kind} '{choice.name}'")
     return Ready(
         component=component,

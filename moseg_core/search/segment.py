@@ -33,6 +33,7 @@ from moseg_core.search.restarts import (
     Plan,
     carry_out,
     disagreement,
+    polisher,
     searched_shape,
     shared_budget,
 )
@@ -272,7 +273,7 @@ def _result(
             "finalists": str(settled.finalists),
         },
         seed=settled.seed,
-        versions=_versions(problem, ready),
+        versions=_versions(plan, ready),
         reason=reason,
         dimension=(whole.constraints.n_free, whole.constraints.n_all),
         warnings=tuple(warnings),
@@ -375,6 +376,11 @@ def prepare_components(problem: Problem, options: SettledOptions) -> dict[Kind, 
     return {kind: component.tuned("default") for kind, component in found.items()}
 
 
-def _versions(problem: Problem, ready: Mapping[Kind, Ready]) -> dict[str, str]:
-    chosen = {r.component.id: r.component.distribution for r in ready.values()}
-    return dict(sorted((problem.versions | chosen).items()))
+def _versions(plan: Plan, ready: Mapping[Kind, Ready]) -> dict[str, str]:
+    """The distribution that each component used comes from."""
+    problem = plan.whole.problem
+    chosen = [*ready.values()]
+    if plan.rough is not plan.whole:
+        chosen.append(polisher(ready["optimizer"], problem.registry))
+    used = {r.component.id: r.component.distribution for r in chosen}
+    return dict(sorted((problem.versions | used).items()))

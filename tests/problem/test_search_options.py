@@ -97,5 +97,8 @@ def test_centres_by_hand_are_a_seeder():
     steering = SteeringFlags(centers="a=0,0,0")
     found = read_search(SearchFlags(workers=1), steering)
     assert found.seeder == Choice("core:given", {"centers": "a=0,0,0"})
-    with pytest.raises(UsageError, match="--centers goes with the seeder 'given', not 'kmeans'"):
+    with pytest.raises(
+        UsageError,
+        match="--centers goes with a seeder that takes centres, 'core:given', not 'kmeans'",
+    ):
         read_search(SearchFlags(seeder="kmeans"), steering)

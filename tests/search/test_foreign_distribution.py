@@ -6,6 +6,8 @@ takes centres by hand, parameterizations whose boundaries can be clipped or not.
 
 from __future__ import annotations
 
+import sys
+
 import numpy as np
 import pytest
 
@@ -215,6 +217,8 @@ def test_for_an_optimizer_that_says_nothing_the_default_one_polishes(run):
     polish = found.history["polish"]
     assert polish[0]["step"] == 0.01
     assert polish[-1]["evaluations"] <= 300
+    assert found.versions["core:pattern_search"].startswith("moseg-core ")
+    assert "core:pattern_search" not in run(optimizer="walk").versions
 
 
 def test_the_default_optimizer_is_found_whatever_else_has_its_name(site, acme, run):
@@ -277,6 +281,14 @@ def test_centres_by_hand_are_about_the_first_level_only(acme):
     )
     assert found.method["seeder"].startswith("acme:clicks(centers=")
     assert found.method["one: seeder"] == "core:kmeans"
+
+
+def test_a_seeder_that_says_that_it_takes_centres_must(acme):
+    def deaf(evaluator, *, rng, report): ...
+
+    sys.modules["acme_parts"].Clicks = type("Deaf", (), {"__call__": deaf})
+    with pytest.raises(PluginError, match=r"'acme:clicks' .* has no parameter 'centers'"):
+        prepare(Choice("clicks"), "seeder", acme)
 
 
 @pytest.fixture
