@@ -177,9 +177,9 @@ def test_sizes_that_are_refused(size):
 
 
 def test_labels_that_are_refused():
-    with pytest.raises(ShapeError, match="one integer label for each of the"):
+    with pytest.raises(ShapeError, match="one label for each of the"):
         draw(cone(), [0])
-    with pytest.raises(ShapeError, match="has no name"):
+    with pytest.raises(ShapeError, match="has the label 1; allowed are 0 to 0"):
         draw(cone(), halves(cone()), ["low"])
 
 
