@@ -21,9 +21,8 @@ from moseg_core.problem.statement import Statement
 
 WORDS = st.text(st.characters(exclude_categories=["Cs"]), max_size=9)
 NAMES = st.from_regex(r"[a-z][a-z0-9]{0,4}", fullmatch=True)
-CHOICES = st.builds(
-    Choice, NAMES, st.dictionaries(NAMES, st.integers(-9, 9).map(float), max_size=2)
-)
+VALUES = st.integers(-9, 9).map(float) | WORDS | st.booleans() | st.none()
+CHOICES = st.builds(Choice, NAMES, st.dictionaries(NAMES, VALUES, max_size=2))
 SEARCHES = st.builds(
     SearchOptions,
     seeder=st.none() | CHOICES,
