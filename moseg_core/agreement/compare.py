@@ -95,8 +95,8 @@ def compare(
     >>> square = EdgeGraph(positions=np.array([[0., 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]]),
     ...                    ends=np.array([[0, 1], [1, 2], [2, 0], [1, 3], [3, 2], [2, 1]]),
     ...                    face=np.array([0, 0, 0, 1, 1, 1]), radius=0.24)
-    >>> told = compare(np.array([0, 0]), np.array([0, 1]), areas=np.array([0.5, 0.5]), graph=square)
-    >>> told.rand_index_error, told.missing, told.false_alarm, told.cut_discrepancy
+    >>> e = compare(np.array([0, 0]), np.array([0, 1]), areas=np.array([0.5, 0.5]), graph=square)
+    >>> e.rand_index_error, e.missing, e.false_alarm, e.cut_discrepancy
     (1.0, 0.0, 0.5, None)
     """
     by_faces, by_area = overlap(found, truth), overlap(found, truth, areas)

@@ -74,16 +74,16 @@ class Evolution:
         """Evolve, and return the best individual ever seen, centre by label."""
         points = evaluator.shape.unit_points
         genome = _Genome.of(evaluator)
-        n = len(genome.leaders)
+        n = len(genome.labels)
         people = [rng.choice(len(points), n, replace=False) for _ in range(self.population)]
         known: dict[bytes, tuple[Cost, IntArray]] = {}
         history: list[dict[str, float]] = []
         best: tuple[Cost, IntArray] | None = None
         for generation in range(1, self.iterations + 1):
             costs = self._evaluate(people, evaluator, genome, known)
-            for person, cost in zip(people, costs, strict=True):
+            for individual, cost in zip(people, costs, strict=True):
                 if best is None or cost < best[0]:
-                    best = cost, known[genome.key(person)][1]
+                    best = cost, known[genome.key(individual)][1]
             assert best is not None  # a population is never empty
             history.append(_record(generation, len(known), costs, best[0]))
             stop = report(
@@ -118,7 +118,7 @@ class Evolution:
                 fresh, sets, evaluator.labelled_costs(vectors), strict=True
             ):
                 known[key] = cost, s[genome.places(order)]
-        return [known[genome.key(person)][0] for person in people]
+        return [known[genome.key(individual)][0] for individual in people]
 
     def _next(
         self,
@@ -146,11 +146,11 @@ class Evolution:
 class _Genome:
     """What the places of an individual stand for.
 
-    `leaders` are the labels that each place is the centre of; places with equal `roles` may be
+    `labels` are the labels that each place is the centre of; places with equal `roles` may be
     exchanged. Without constraints there is a place for every label, and one role.
     """
 
-    leaders: IntArray
+    labels: IntArray
     roles: IntArray
 
     @classmethod
@@ -158,41 +158,41 @@ class _Genome:
         groups = evaluator.constraints.groups
         known = list(dict.fromkeys(group.role for group in groups))
         return cls(
-            leaders=np.array([group.members[0] for group in groups]),
+            labels=np.array([group.members[0] for group in groups]),
             roles=np.array([known.index(group.role) for group in groups]),
         )
 
-    def sorted(self, person: IntArray) -> IntArray:
+    def sorted(self, individual: IntArray) -> IntArray:
         """The individual with its elements in order within each role."""
-        order = np.lexsort((person, self.roles))
-        ordered = np.empty_like(person)
-        ordered[np.argsort(self.roles, kind="stable")] = person[order]
+        order = np.lexsort((individual, self.roles))
+        ordered = np.empty_like(individual)
+        ordered[np.argsort(self.roles, kind="stable")] = individual[order]
         return ordered
 
-    def key(self, person: IntArray) -> bytes:
+    def key(self, individual: IntArray) -> bytes:
         """The same for the same sets of elements, whatever their order."""
-        return self.sorted(person).tobytes()
+        return self.sorted(individual).tobytes()
 
-    def vector(self, evaluator: Evaluator, person: IntArray) -> FloatArray:
+    def vector(self, evaluator: Evaluator, individual: IntArray) -> FloatArray:
         """(m,) float: the partition that an individual stands for."""
         shape, partition = evaluator.shape, evaluator.parameterization
         positions = np.repeat(shape.frame.center[None], partition.n_parts, axis=0)
-        positions[self.leaders] = shape.points[person]
+        positions[self.labels] = shape.points[individual]
         vector = partition.encode(Centers(positions=positions, weights=np.ones(len(positions))))
-        whole: FloatArray = evaluator.constraints.led(vector)
+        whole: FloatArray = evaluator.constraints.completed(vector)
         return whole
 
-    def centers(self, evaluator: Evaluator, person: IntArray) -> FloatArray:
+    def centers(self, evaluator: Evaluator, individual: IntArray) -> FloatArray:
         """(n, 3) float, model units: centres of all labels."""
         if not evaluator.constraints.active:
-            return evaluator.shape.points[person]
-        return evaluator.parameterization.decode(self.vector(evaluator, person)).positions
+            return evaluator.shape.points[individual]
+        return evaluator.parameterization.decode(self.vector(evaluator, individual)).positions
 
     def places(self, order: IntArray) -> IntArray:
         """From parts that labels go to, to places that places go to."""
         place = np.empty(len(order), np.int64)
-        place[self.leaders] = np.arange(len(self.leaders))
-        chosen: IntArray = place[order[self.leaders]]
+        place[self.labels] = np.arange(len(self.labels))
+        chosen: IntArray = place[order[self.labels]]
         return chosen
 
 
@@ -232,12 +232,12 @@ def cross(
     return child
 
 
-def mutate(person: IntArray, n_elements: int, rng: np.random.Generator) -> IntArray:
+def mutate(individual: IntArray, n_elements: int, rng: np.random.Generator) -> IntArray:
     """The individual with one of its elements replaced by a random new one.
 
     Parameters
     ----------
-    person : (n,) int
+    individual : (n,) int
     n_elements : int
     rng : numpy.random.Generator
 
@@ -246,17 +246,17 @@ def mutate(person: IntArray, n_elements: int, rng: np.random.Generator) -> IntAr
     (n,) int
         n different elements; unchanged where there is no other element.
     """
-    mutant = person.copy()
-    place = rng.integers(len(person))
-    if len(person) < n_elements:
-        mutant[place] = _new_element(person, n_elements, rng)
+    mutant = individual.copy()
+    place = rng.integers(len(individual))
+    if len(individual) < n_elements:
+        mutant[place] = _new_element(individual, n_elements, rng)
     return mutant
 
 
-def _new_element(person: IntArray, n_elements: int, rng: np.random.Generator) -> int:
+def _new_element(individual: IntArray, n_elements: int, rng: np.random.Generator) -> int:
     while True:
         element = int(rng.integers(n_elements))
-        if element not in person:
+        if element not in individual:
             return element
 
 

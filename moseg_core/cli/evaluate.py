@@ -62,7 +62,7 @@ def run_evaluate(
     true = [read_labels(truth, shape.n_elements) for truth in truths]
     _warn_about_names(result, given, translation, truths, true)
     graph = _edge_graph(shape)
-    told = [
+    agreements = [
         compare(
             found.labels,
             truth.labels,
@@ -78,13 +78,13 @@ def run_evaluate(
     if as_json:
         rows = [
             {"truth": str(name), **asdict(row), "confusion": _confusion_document(table)}
-            for name, row, table in zip(truths, told, tables, strict=True)
+            for name, row, table in zip(truths, agreements, tables, strict=True)
         ]
-        mean = {**_mean(told), "confusion": _confusion_document(_mean_confusion(tables))}
+        mean = {**_mean(agreements), "confusion": _confusion_document(_mean_confusion(tables))}
         print_json({"truths": rows, "mean": mean, "rename": translation})
         return
     out = console(sys.stdout)
-    out.print(_measures_table(truths, told))
+    out.print(_measures_table(truths, agreements))
     together = _mean_confusion(tables)
     if together is not None:
         out.print("\nshare of the area in %: what it is (rows) and what it is called (columns)")

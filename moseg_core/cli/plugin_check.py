@@ -81,11 +81,11 @@ def _print(report: BundleReport, out: Console) -> None:
         out.print("passed", style="bold green")
         out.print(_by_component(by_status["passed"]))
         out.print()
-    told = ", ".join(f"{len(found)} {status}" for status, found in by_status.items() if found)
+    counts = ", ".join(f"{len(found)} {status}" for status, found in by_status.items() if found)
     components = len({found.component for found in report.outcomes})
     out.print(
         f"{report.bundle} ({report.distribution}): {_counted(len(report.outcomes), 'check')} on"
-        f" {_counted(components, 'component')}: {told or 'none apply'}",
+        f" {_counted(components, 'component')}: {counts or 'none apply'}",
         style="bold",
         markup=False,
     )

@@ -35,8 +35,10 @@ def run_recipes(name: str | None, *, as_json: bool) -> None:
         table.add_column(heading, overflow="fold")
     for component, recipe, problem in found:
         called = component.spec.name if component.spec.name in short else component.id
-        told = Text(recipe.description) if recipe else Text(f"cannot be used: {problem}", "red")
-        table.add_row(Text(called), Text(component.bundle), told)
+        description = (
+            Text(recipe.description) if recipe else Text(f"cannot be used: {problem}", "red")
+        )
+        table.add_row(Text(called), Text(component.bundle), description)
     console(sys.stdout).print(table)
 
 

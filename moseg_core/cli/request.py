@@ -49,7 +49,9 @@ def read_task(flags: ProblemFlags, *, start: SavedResult | None = None) -> Hiera
     """
     task = Hierarchy.of(read_statement(flags, start=start))
     plane = getattr(flags, "plane", None)
-    if plane is not None and not any("plane" in rule.parameters for rule in task.problem.rules):
+    if plane is not None and not any(
+        "plane" in bound.parameters for bound in task.problem.bound_constraints
+    ):
         raise UsageError(
             f"--plane {plane} is given, but no constraint needs a plane; add one, such as"
             f" --constraint 'on_plane({task.problem.labels[0]})'"

@@ -111,7 +111,7 @@ def run_segment(
         message(f"warning: {warning}", quiet=quiet)
     if clipped:
         result = clip(result)
-        message(_told(result), quiet=quiet)
+        message(_clipping_summary(result), quiet=quiet)
     for output in outputs:
         save(result, output)
     free, whole = result.dimension
@@ -133,7 +133,7 @@ def _tell_waiting(what: str, seconds: float, *, quiet: bool) -> None:
     message(f"waiting for {what}, {seconds:.0f} s so far", quiet=quiet)
 
 
-def _told(result: Result) -> str:
+def _clipping_summary(result: Result) -> str:
     """How much was clipped."""
     assert result.clipped is not None  # clipped results only
     pieces = np.bincount(result.clipped.source, minlength=result.shape.n_elements)

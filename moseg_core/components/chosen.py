@@ -72,7 +72,7 @@ class Choice:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Ready:
+class PreparedComponent:
     """A choice that was found, loaded and checked.
 
     Parameters
@@ -93,11 +93,11 @@ class Ready:
     by_user: bool = False
     presets: Mapping[str, dict[str, Any]] = field(default_factory=dict)
 
-    def preset(self, occasion: str) -> Ready:
+    def preset(self, occasion: str) -> PreparedComponent:
         """With the parameters that the class names for an occasion; else as it is."""
         return replace(self, parameters=self.presets.get(occasion, self.parameters))
 
-    def tuned(self, occasion: str) -> Ready:
+    def tuned(self, occasion: str) -> PreparedComponent:
         """The same where the user has chosen no parameters; else as it is."""
         return self if self.by_user else self.preset(occasion)
 
@@ -122,7 +122,7 @@ class Ready:
         return self.component.guard(what)
 
 
-def prepare(choice: Choice, kind: Kind, registry: Registry) -> Ready:
+def prepare(choice: Choice, kind: Kind, registry: Registry) -> PreparedComponent:
     """Find a component, load it and check its parameters.
 
     Raises
@@ -154,7 +154,7 @@ def prepare(choice: Choice, kind: Kind, registry: Registry) -> Ready:
             f"{component.who} is said to take centres and has no parameter 'centers'; {REPORT}"
         )
     parameters = check_parameters(declared, choice.parameters, f"{kind} '{choice.name}'")
-    return Ready(
+    return PreparedComponent(
         component=component,
         factory=target,
         parameters=parameters,

@@ -127,7 +127,7 @@ def read_docstring(text: str) -> tuple[str, str, dict[str, str]]:
     pieces = re.split(r"^(\w[\w ]*)\n-{3,}\n", inspect.cleandoc(text), flags=re.MULTILINE)
     headline, _, body = pieces[0].partition("\n\n")
     titles, texts = pieces[1::2], pieces[2::2]
-    sections = {title: told.strip() for title, told in zip(titles, texts, strict=True)}
+    sections = {title: text.strip() for title, text in zip(titles, texts, strict=True)}
     return " ".join(headline.split()), body.strip(), sections
 
 
@@ -161,10 +161,10 @@ def bounds(parameter: Parameter) -> str:
     'whole number, 1 or more, or none'
     """
     kinds = {int: "whole number", float: "number", bool: "0 or 1", str: "text"}
-    told = kinds[parameter.type]
+    words = kinds[parameter.type]
     if parameter.type in (int, float) and str(parameter.interval) != "any number":
-        told += f", {parameter.interval}"
-    return f"{told}, or none" if parameter.optional else told
+        words += f", {parameter.interval}"
+    return f"{words}, or none" if parameter.optional else words
 
 
 def default(parameter: Parameter) -> str:

@@ -1,6 +1,6 @@
 """Constraints as a user writes them: ``mirror(leg2, leg1)``, ``on_plane(body)``, or a function.
 
-A rule is a call of the expression language about labels, or an object made from a function by
+A constraint is a call of the expression language about labels, or an object made from a function by
 :func:`constraint`. Names and labels are looked up before any shape is read; the
 constraint itself (:class:`moseg_core.components.protocols.Constraint`) is made when the shape is
 there, and :mod:`moseg_core.problem.constraints` puts several together.
@@ -23,7 +23,7 @@ from moseg_core.shape.shape import Shape
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Rule:
+class BoundConstraint:
     """A constraint that was found and checked, and waits for its shape.
 
     Parameters
@@ -89,16 +89,16 @@ class Rule:
 
     @property
     def role(self) -> tuple[Any, ...]:
-        """What two rules have in common that say the same of different labels."""
+        """What two constraints have in common that say the same of different labels."""
         return (self.id, tuple(sorted(self.parameters.items())))
 
 
-def bind_rules(
+def bind_constraints(
     given: Sequence[str | Callable[..., Any]],
     labels: Sequence[str],
     registry: Registry,
     plane: str | None,
-) -> tuple[Rule, ...]:
+) -> tuple[BoundConstraint, ...]:
     """Look up everything that constraints name.
 
     Parameters
@@ -123,7 +123,7 @@ def bind_rules(
     """
     if isinstance(given, str):
         raise UsageError(f"constraints must be a list of calls, not the text '{given}'")
-    found: list[Rule] = []
+    found: list[BoundConstraint] = []
     for item in given:
         if isinstance(item, str):
             found += _from_text(item, labels, registry, plane)
@@ -131,7 +131,7 @@ def bind_rules(
             name = item.__name__
             every = tuple(range(len(labels)))
             found.append(
-                Rule(
+                BoundConstraint(
                     text=name,
                     id=f"python:{name}",
                     distribution="the calling program",
@@ -150,7 +150,7 @@ def bind_rules(
 
 def _from_text(
     text: str, labels: Sequence[str], registry: Registry, plane: str | None
-) -> list[Rule]:
+) -> list[BoundConstraint]:
     term = parse_call(text, labels=True)
     try:
         component = registry.find("constraint", term.name)
@@ -172,7 +172,7 @@ def _from_text(
     # A constraint on single centres that is given several is meant for each of them.
     each = [(label,) for label in chosen] if getattr(factory, "each", False) else [tuple(chosen)]
     return [
-        Rule(
+        BoundConstraint(
             text=str(term) if len(each) == 1 else _about(term, [labels[k] for k in group]),
             id=component.id,
             distribution=component.distribution,

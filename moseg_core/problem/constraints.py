@@ -28,7 +28,7 @@ import numpy as np
 
 from moseg_core.components.protocols import Centers, Constraint, Parameterization
 from moseg_core.errors import REPORT, PluginError, UsageError
-from moseg_core.problem.constraint_calls import Rule
+from moseg_core.problem.constraint_calls import BoundConstraint
 from moseg_core.shape.shape import Shape
 from moseg_core.types import BoolArray, FloatArray, IntArray
 
@@ -59,7 +59,7 @@ class Constraints:
 
     Parameters
     ----------
-    rules : sequence of Rule
+    given : sequence of BoundConstraint
     partition : Parameterization
     shape : Shape
         The one that the partition is of.
@@ -76,10 +76,14 @@ class Constraints:
     """
 
     def __init__(
-        self, rules: Sequence[Rule], partition: Parameterization, shape: Shape, names: Sequence[str]
+        self,
+        given: Sequence[BoundConstraint],
+        partition: Parameterization,
+        shape: Shape,
+        names: Sequence[str],
     ) -> None:
         self._partition, self._frame, self._names = partition, shape.frame, tuple(names)
-        self._members = _in_order([(rule, rule.make(shape)) for rule in rules], self._names)
+        self._members = _in_order([(bound, bound.make(shape)) for bound in given], self._names)
         self.groups = _groups(self._members, len(self._names))
         if not self._members:
             return
@@ -154,9 +158,9 @@ class Constraints:
         whole[:, self._plain] = free[:, : len(self._plain)]
         for row, numbers in zip(whole, free, strict=True):
             centers = self._rows(row)
-            for i, (rule, member) in enumerate(self._members):
+            for i, (bound, member) in enumerate(self._members):
                 own = numbers[self._ends[i] : self._ends[i + 1]]
-                centers = _asked(rule, rule.call(member.expand, own, centers), centers.shape)
+                centers = _asked(bound, bound.call(member.expand, own, centers), centers.shape)
             row[self._follow] = self._vector(centers)[self._follow]
         return whole
 
@@ -169,9 +173,9 @@ class Constraints:
             return vector
         centers = self._rows(vector)
         own: list[FloatArray] = []
-        for rule, member in reversed(self._members):
-            free, moved = rule.call(member.reduce, centers)
-            centers = _asked(rule, moved, centers.shape)
+        for bound, member in reversed(self._members):
+            free, moved = bound.call(member.reduce, centers)
+            centers = _asked(bound, moved, centers.shape)
             own.append(np.asarray(free, dtype=np.float64))
         read_labels = [k for _, member in self._members for k in member.reads]
         whole = vector.copy()
@@ -205,8 +209,8 @@ class Constraints:
             found = self.feasible(again)
         return found
 
-    def led(self, vector: FloatArray) -> FloatArray:
-        """(m,) float: feasible centres of which those that lead are where the vector has them.
+    def completed(self, vector: FloatArray) -> FloatArray:
+        """(m,) float: feasible centres, those that follow others computed from these.
 
         Those with numbers of their own are only moved as far as they must; those that follow come
         after them, wherever they were.
@@ -214,11 +218,11 @@ class Constraints:
         if not self.active:
             return vector
         centers = self._rows(vector)
-        for rule, member in self._members:
+        for bound, member in self._members:
             free = np.empty(0)
             if len(member.lower):
-                free = rule.call(member.reduce, centers)[0]
-            centers = _asked(rule, rule.call(member.expand, free, centers), centers.shape)
+                free = bound.call(member.reduce, centers)[0]
+            centers = _asked(bound, bound.call(member.expand, free, centers), centers.shape)
         whole = vector.copy()
         whole[self._follow] = self._vector(centers)[self._follow]
         return whole
@@ -299,31 +303,31 @@ class Constraints:
 
 
 def _in_order(
-    made: Sequence[tuple[Rule, Constraint]], names: Sequence[str]
-) -> list[tuple[Rule, Constraint]]:
+    made: Sequence[tuple[BoundConstraint, Constraint]], names: Sequence[str]
+) -> list[tuple[BoundConstraint, Constraint]]:
     """Constraints, those that read after those that determine what they read."""
-    owner: dict[int, Rule] = {}
-    for rule, constraint in made:
+    owner: dict[int, BoundConstraint] = {}
+    for bound, constraint in made:
         labels = (*constraint.determines, *constraint.reads)
         if not constraint.determines or not all(0 <= k < len(names) for k in labels):
             raise PluginError(
-                f"constraint '{rule.id}' of {rule.distribution} determines no label of the problem;"
-                f" {REPORT}"
+                f"constraint '{bound.id}' of {bound.distribution} determines no label of the"
+                f" problem; {REPORT}"
             )
         for k in constraint.determines:
             if k in constraint.reads:
-                raise UsageError(f"in '{rule.text}' the label '{names[k]}' would follow itself")
+                raise UsageError(f"in '{bound.text}' the label '{names[k]}' would follow itself")
             if k in owner:
                 raise UsageError(
-                    f"label '{names[k]}' cannot follow both '{owner[k].text}' and '{rule.text}';"
+                    f"label '{names[k]}' cannot follow both '{owner[k].text}' and '{bound.text}';"
                     f" leave one of them out"
                 )
-            owner[k] = rule
+            owner[k] = bound
     waiting, done, ordered = list(made), set(range(len(names))) - set(owner), []
     while waiting:
         ready = [pair for pair in waiting if done.issuperset(pair[1].reads)]
         if not ready:
-            texts = [rule.text for rule, _ in waiting]
+            texts = [bound.text for bound, _ in waiting]
             raise UsageError(f"the constraints {_listed(texts)} go in a circle; leave one out")
         for pair in ready:
             waiting.remove(pair)
@@ -332,22 +336,22 @@ def _in_order(
     return ordered
 
 
-def _groups(members: Sequence[tuple[Rule, Constraint]], n: int) -> tuple[Group, ...]:
+def _groups(members: Sequence[tuple[BoundConstraint, Constraint]], n: int) -> tuple[Group, ...]:
     """Labels that move together, with the roles in which they do."""
     labels: dict[int, list[int]] = {k: [k] for k in range(n)}
     role: dict[int, list[Any]] = {k: [] for k in range(n)}
     leader = list(range(n))
-    for rule, constraint in members:
+    for bound, constraint in members:
         follows = len(constraint.lower) == 0
         if follows and len(constraint.determines) == 1 and len(constraint.reads) == 1:
             (k,), (source,) = constraint.determines, constraint.reads
             leader[k] = leader[source]
             place = labels[leader[k]].index(source)
             labels[leader[k]].append(k)
-            role[leader[k]].append((rule.role, place))
+            role[leader[k]].append((bound.role, place))
             del labels[k]
         elif not follows and len(constraint.determines) == 1 and not constraint.reads:
-            role[constraint.determines[0]].append(rule.role)
+            role[constraint.determines[0]].append(bound.role)
         else:
             # Nothing is known of such a constraint: what it touches stays where it is.
             for k in (*constraint.determines, *constraint.reads):
@@ -359,12 +363,12 @@ def _groups(members: Sequence[tuple[Rule, Constraint]], n: int) -> tuple[Group, 
     return tuple(Group(members=tuple(labels[k]), role=tuple(role[k])) for k in sorted(labels))
 
 
-def _asked(rule: Rule, rows: Any, shape: tuple[int, ...]) -> FloatArray:
+def _asked(bound: BoundConstraint, rows: Any, shape: tuple[int, ...]) -> FloatArray:
     """Rows that a constraint returned, checked."""
     array = np.asarray(rows, dtype=np.float64)
     if array.shape != shape:
         raise PluginError(
-            f"constraint '{rule.id}' of {rule.distribution} returned an array of shape"
+            f"constraint '{bound.id}' of {bound.distribution} returned an array of shape"
             f" {array.shape}; centres are {shape}; {REPORT}"
         )
     return array

@@ -222,15 +222,15 @@ class Hierarchy:
         >>> Hierarchy(Problem(["a", "b"], "narrow(a)"), {"*": ears}).fitted(["b"]).labels
         ('a/ear1', 'a/ear2', 'b')
         """
-        told = set(names)
+        paths = set(names)
         parts = {
             label: child.fitted(
                 name.removeprefix(label + SEPARATOR)
-                for name in told
+                for name in paths
                 if name.startswith(label + SEPARATOR)
             )
             for label, child in self.children.items()
-            if label not in told
+            if label not in paths
         }
         return replace(self, parts=parts)
 

@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy.typing as npt
 
-from moseg_core.components.chosen import Choice, Ready, prepare
+from moseg_core.components.chosen import Choice, PreparedComponent, prepare
 from moseg_core.components.discovery.registry import Registry, measure_resolver, registry
 from moseg_core.components.memo import Memo
 from moseg_core.components.objectives import Requirement, objective
@@ -28,7 +28,7 @@ from moseg_core.errors import REPORT, PluginError, ShapeError, UsageError, unkno
 from moseg_core.language import Expression, parse
 from moseg_core.problem.aggregate import Evaluation, evaluate_segmentation
 from moseg_core.problem.binding import BoundTerm, bind
-from moseg_core.problem.constraint_calls import bind_rules
+from moseg_core.problem.constraint_calls import bind_constraints
 from moseg_core.problem.constraints import Constraints
 from moseg_core.problem.statement import Statement
 from moseg_core.shape.shape import Shape
@@ -101,7 +101,7 @@ class Problem:
         self.plane = plane
         self.embedding = None if embedding is None else Choice.read(embedding, "embedding")
         # Bound at once, so that a mistake shows where it is made.
-        self.bending: Ready | None = None
+        self.bending: PreparedComponent | None = None
         if self.embedding is not None:
             self.bending = prepare(self.embedding, "embedding", self.registry)
         spaces = [ORIGINAL, *([self.bending.component.spec.name] if self.bending else [])]
@@ -119,7 +119,7 @@ class Problem:
         )
         if plane is not None and not isinstance(plane, str):
             raise UsageError(f"plane must be a text such as 'auto' or 'x', not {plane!r:.60}")
-        self.rules = bind_rules(constraints, self.labels, self.registry, plane)
+        self.bound_constraints = bind_constraints(constraints, self.labels, self.registry, plane)
 
     @classmethod
     def of(cls, statement: Statement, *, registry: Registry | None = None) -> Problem:
@@ -158,7 +158,7 @@ class Problem:
         return Statement(
             labels=self.labels,
             minimize=str(self.expression),
-            constraints=tuple(rule.text for rule in self.rules),
+            constraints=tuple(bound.text for bound in self.bound_constraints),
             plane=self.plane,
             embedding=self.embedding,
             space=None if self.embedding is None else self.space,
@@ -182,7 +182,7 @@ class Problem:
         ['basic:convex_parts', 'basic:narrow']
         """
         named = {term.id: term.distribution for term in self.terms}
-        named |= {rule.id: rule.distribution for rule in self.rules}
+        named |= {bound.id: bound.distribution for bound in self.bound_constraints}
         if self.bending is not None:
             named[self.bending.component.id] = self.bending.component.distribution
         return dict(sorted(named.items()))
@@ -256,7 +256,7 @@ class Problem:
         UsageError
             They contradict each other, or the shape has no plane that they need.
         """
-        return Constraints(self.rules, partition, shape, self.labels)
+        return Constraints(self.bound_constraints, partition, shape, self.labels)
 
     def check(self, shape: Shape) -> None:
         """Refuse a shape that this problem cannot be solved on.

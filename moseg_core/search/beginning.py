@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from moseg_core.components.chosen import Ready
+from moseg_core.components.chosen import PreparedComponent
 from moseg_core.components.discovery.specs import Kind
 from moseg_core.components.protocols import (
     Batch,
@@ -37,7 +37,7 @@ _STILL = 1e-9
 
 def begin(
     evaluator: ProblemEvaluator,
-    ready: Mapping[Kind, Ready],
+    ready: Mapping[Kind, PreparedComponent],
     *,
     rng: np.random.Generator,
     report: Report,
@@ -50,7 +50,7 @@ def begin(
     Parameters
     ----------
     evaluator : ProblemEvaluator
-    ready : mapping of kind to Ready
+    ready : mapping of kind to PreparedComponent
         Seeder, labeler and optimizer.
     rng : numpy.random.Generator
     report : callable
@@ -100,10 +100,10 @@ def _made_feasible(
     evaluator: ProblemEvaluator, vector: FloatArray, start: Centers | None, frozen: Sequence[int]
 ) -> FloatArray:
     """(m,) float: feasible centres near to those of a vector, frozen ones where they start."""
-    rules, partition = evaluator.constraints, evaluator.parameterization
+    constraints, partition = evaluator.constraints, evaluator.parameterization
     if start is None:
-        return rules.feasible(vector)
-    feasible = rules.holding(vector, frozen)
+        return constraints.feasible(vector)
+    feasible = constraints.holding(vector, frozen)
     for label in frozen:
         places = partition.coordinates(label)
         if np.abs(feasible[places] - vector[places]).max() > _STILL:
@@ -123,9 +123,9 @@ def _towards_pins(
     The search only notices a pin when an element changes its part, so it needs to start near.
     """
     partition, pins, shape = evaluator.parameterization, evaluator.pins, evaluator.shape
-    rules = evaluator.constraints
-    held = ~free_coordinates(rules, frozen)
-    base = rules.reduce(vector)
+    constraints = evaluator.constraints
+    held = ~free_coordinates(constraints, frozen)
+    base = constraints.reduce(vector)
     for label in np.unique(pins.labels):
         if label in frozen or not pins.broken(evaluator.labels(vector)):
             continue
@@ -136,16 +136,16 @@ def _towards_pins(
             positions = centers.positions.copy()
             positions[label] = place
             moved = partition.encode(replace(centers, positions=positions))
-            free = rules.reduce(rules.holding(moved, [int(label)]))
+            free = constraints.reduce(constraints.holding(moved, [int(label)]))
             free[held] = base[held]
-            tried.append(rules.expand(free[None])[0])
+            tried.append(constraints.expand(free[None])[0])
         costs = evaluator.costs(Batch(vectors=np.stack(tried), best_only=True))
         vector = tried[min(range(len(costs)), key=lambda k: (costs[k], k))]
     return vector
 
 
 def _seed(
-    ready: Ready, evaluator: ProblemEvaluator, rng: np.random.Generator, report: Report
+    ready: PreparedComponent, evaluator: ProblemEvaluator, rng: np.random.Generator, report: Report
 ) -> Seeding:
     """Run the seeder, and check what it returns."""
     seeder = ready.make()
@@ -175,7 +175,7 @@ def _until(deadline: float | None, report: Report) -> Report:
     return listen
 
 
-def _label(ready: Ready, evaluator: ProblemEvaluator, vector: FloatArray) -> IntArray:
+def _label(ready: PreparedComponent, evaluator: ProblemEvaluator, vector: FloatArray) -> IntArray:
     """Run the labeler, and check what it returns."""
     labeler = ready.make()
     with ready.guard():

@@ -5,7 +5,7 @@ found so far need not be lost with it. So every task of a run returns, beside it
 error, the best that the evaluators of its process have seen (:attr:`ProblemEvaluator.best`); of
 these the least is kept. Which that is depends on how far each process had come.
 
-A crew stands between :mod:`moseg_core.search.restarts` and :mod:`moseg_core.search.workers`.
+They stand between :mod:`moseg_core.search.restarts` and :mod:`moseg_core.search.workers`.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from typing import Any
 
 from moseg_core.errors import MosegError
 from moseg_core.search.evaluator import Found, ProblemEvaluator
-from moseg_core.search.run import Outcome
+from moseg_core.search.run import RunOutcome
 from moseg_core.search.workers import Enough, Task, Workers
 
 
@@ -40,17 +40,17 @@ class Answer:
     found: tuple[Found | None, ...] = ()
 
 
-class Crew:
-    """Workers who report what they have found even where they fail.
+class TrackedWorkers:
+    """Workers of which the best that each has found is known, even where a task fails.
 
     Parameters
     ----------
-    rough, whole : ProblemEvaluator
+    coarse, whole : ProblemEvaluator
         On the shape that is searched, and on that of the input elements; may be the same.
     """
 
-    def __init__(self, rough: ProblemEvaluator, whole: ProblemEvaluator) -> None:
-        self._evaluators = (rough, whole)
+    def __init__(self, coarse: ProblemEvaluator, whole: ProblemEvaluator) -> None:
+        self._evaluators = (coarse, whole)
         self._found: list[Found | None] = [None, None]
         self._pool: Workers | None = None
 
@@ -84,15 +84,15 @@ class Crew:
                 raise answer.error
         return [answer.result for answer in answers]
 
-    def rescued(self, error: MosegError) -> Outcome | None:
+    def best_found(self, error: MosegError) -> RunOutcome | None:
         """The best that was found before an error, with its cost on the input elements.
 
         None where nothing had been found, or where its cost cannot be known because of the error.
         """
         self._note(tuple(evaluator.best for evaluator in self._evaluators))
-        rough, whole = self._evaluators
+        coarse, whole = self._evaluators
         if self._found[1] is None and self._found[0] is not None:
-            centers = rough.parameterization.decode(self._found[0][1])
+            centers = coarse.parameterization.decode(self._found[0][1])
             try:
                 vector = whole.parameterization.encode(centers)
                 self._found[1] = whole.evaluate(vector).cost, vector
@@ -101,7 +101,7 @@ class Crew:
         if self._found[1] is None:
             return None
         cost, vector = self._found[1]
-        return Outcome(vector=vector, cost=cost, reason="failed", history={}, failure=error)
+        return RunOutcome(vector=vector, cost=cost, reason="failed", history={}, failure=error)
 
     def _answering(self, task: Task) -> Task:
         def answer(*given: Any, **more: Any) -> Answer:

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from moseg_core.components.chosen import Ready
+from moseg_core.components.chosen import PreparedComponent
 from moseg_core.components.discovery.registry import describe
 from moseg_core.components.protocols import Centers, Parameterization
 from moseg_core.errors import REPORT, MosegError, PluginError
@@ -253,7 +253,7 @@ def checked(parameterization: Parameterization, shape: Shape) -> CheckedParamete
     return CheckedParameterization(parameterization, shape, who=who)
 
 
-def make_partition(ready: Ready, shape: Shape, n_parts: int) -> CheckedParameterization:
+def make_partition(ready: PreparedComponent, shape: Shape, n_parts: int) -> CheckedParameterization:
     """The parameterization of a shape that was chosen, behind the adapter.
 
     Raises

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 from moseg_core.clipping.bisector import Bisectors
 from moseg_core.clipping.boundaries import Boundaries, DistanceField
 from moseg_core.clipping.clip import check_clippable, clip_along
-from moseg_core.components.chosen import Choice, Ready, prepare
+from moseg_core.components.chosen import Choice, PreparedComponent, prepare
 from moseg_core.components.protocols import Centers
 from moseg_core.errors import UsageError
 from moseg_core.search.checked_partition import make_partition
@@ -76,7 +76,7 @@ def clip(result: Result, *, space: Shape | None = None) -> Result:
     return replace(result, clipped=clipped)
 
 
-def _boundaries(ready: Ready, space: Shape, centers: Centers) -> Boundaries:
+def _boundaries(ready: PreparedComponent, space: Shape, centers: Centers) -> Boundaries:
     """Where the parts of a partition meet: in closed form where it says how, else by distances."""
     if getattr(ready.factory, "weighted_bisectors", False):
         return Bisectors(centers.positions, centers.weights)
@@ -84,7 +84,7 @@ def _boundaries(ready: Ready, space: Shape, centers: Centers) -> Boundaries:
     return DistanceField(partial(partition.distances, partition.encode(centers)))
 
 
-def check_parameterization(ready: Ready) -> None:
+def check_parameterization(ready: PreparedComponent) -> None:
     """Refuse a parameterization that does not know where its parts meet between elements.
 
     Raises

@@ -433,9 +433,9 @@ def _reason(reasons: Sequence[str]) -> str:
 def _located(report: Report, path: str) -> Report:
     """Reports that tell which level they are about."""
 
-    def told(progress: Progress) -> bool:
+    def report_with_path(progress: Progress) -> bool:
         if path:
             progress = replace(progress, stage=f"{path}: {progress.stage}")
         return report(progress)
 
-    return told
+    return report_with_path

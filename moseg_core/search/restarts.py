@@ -21,16 +21,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from moseg_core.components.chosen import Ready, prepare
+from moseg_core.components.chosen import PreparedComponent, prepare
 from moseg_core.components.discovery.registry import Registry
 from moseg_core.components.discovery.specs import Kind
 from moseg_core.components.protocols import Centers, Progress, Report
 from moseg_core.errors import MosegError, UsageError
 from moseg_core.problem.settings import SearchOptions
 from moseg_core.search.beginning import begin
-from moseg_core.search.best_so_far import Crew
+from moseg_core.search.best_so_far import TrackedWorkers
 from moseg_core.search.evaluator import ProblemEvaluator
-from moseg_core.search.run import Outcome, Run, go_on, set_up
+from moseg_core.search.run import Run, RunOutcome, go_on, set_up
 from moseg_core.search.workers import Task, Workers
 from moseg_core.shape.coarse import coarsen
 from moseg_core.shape.pins import Pins
@@ -66,12 +66,12 @@ def searched_shape(shape: Shape, resolution: int | str, pins: Pins) -> Shape:
     return coarse if shape.n_elements > _WORTH * coarse.n_elements else shape
 
 
-def polisher(optimizer: Ready, registry: Registry) -> Ready:
+def polisher(optimizer: PreparedComponent, registry: Registry) -> PreparedComponent:
     """What polishes: the optimizer itself where it names parameters for that, else the default one.
 
     Parameters
     ----------
-    optimizer : Ready
+    optimizer : PreparedComponent
         The one of the search.
     registry : Registry
         Where to find the default one.
@@ -88,13 +88,13 @@ class Attempt:
     Parameters
     ----------
     run : Run
-    outcome : Outcome
+    outcome : RunOutcome
     drew : bool
         Whether random numbers were drawn: without any, all starts are the same.
     """
 
     run: Run
-    outcome: Outcome
+    outcome: RunOutcome
     drew: bool
 
 
@@ -104,10 +104,10 @@ class Plan:
 
     Parameters
     ----------
-    rough, whole : ProblemEvaluator
+    coarse, whole : ProblemEvaluator
         On the shape that is searched, and on that of the input elements; one and the same where
         the search is on those.
-    ready : mapping of kind to Ready
+    ready : mapping of kind to PreparedComponent
     restarts, finalists : int
         Number of starts, and how many of them go on to the end.
     seed : int
@@ -121,9 +121,9 @@ class Plan:
         Whether starts that draw no random numbers are repeated all the same.
     """
 
-    rough: ProblemEvaluator
+    coarse: ProblemEvaluator
     whole: ProblemEvaluator
-    ready: Mapping[Kind, Ready]
+    ready: Mapping[Kind, PreparedComponent]
     restarts: int
     finalists: int
     seed: int
@@ -143,7 +143,7 @@ class Plan:
         rng = np.random.default_rng(self.seed if k == 0 else [self.seed, k])
         fresh = rng.bit_generator.state
         run = begin(
-            self.rough,
+            self.coarse,
             self.ready,
             rng=rng,
             report=report,
@@ -155,16 +155,18 @@ class Plan:
         outcome = self.advance(run, until, report=report)
         return Attempt(run=run, outcome=outcome, drew=rng.bit_generator.state != fresh)
 
-    def further(self, run: Run, until: float, *, report: Report) -> tuple[Run, Outcome]:
+    def further(self, run: Run, until: float, *, report: Report) -> tuple[Run, RunOutcome]:
         """Take up a start where it was left; the run comes back, since it may have been a copy."""
         return run, self.advance(run, until, report=report)
 
-    def advance(self, run: Run, until: float, *, report: Report) -> Outcome:
+    def advance(self, run: Run, until: float, *, report: Report) -> RunOutcome:
         """Search until so many evaluations are done."""
         optimizer = self.ready["optimizer"]
-        return go_on(run, self.rough, optimizer, report=report, deadline=self.deadline, until=until)
+        return go_on(
+            run, self.coarse, optimizer, report=report, deadline=self.deadline, until=until
+        )
 
-    def polish(self, outcome: Outcome, *, report: Report) -> Outcome:
+    def polish(self, outcome: RunOutcome, *, report: Report) -> RunOutcome:
         """Improve on input elements what was found on super-elements."""
         ready = polisher(self.ready["optimizer"], self.whole.problem.registry)
         rng = np.random.default_rng(0)
@@ -175,7 +177,7 @@ class Plan:
         return replace(better, reason=reason, history=history, warning=outcome.warning)
 
 
-def carry_out(plan: Plan, workers: int, listener: Listener) -> tuple[list[Outcome], Outcome]:
+def carry_out(plan: Plan, workers: int, listener: Listener) -> tuple[list[RunOutcome], RunOutcome]:
     """Run all starts.
 
     Parameters
@@ -187,10 +189,10 @@ def carry_out(plan: Plan, workers: int, listener: Listener) -> tuple[list[Outcom
 
     Returns
     -------
-    outcomes : list of Outcome
+    outcomes : list of RunOutcome
         Of every start, on the shape that was searched; "paused" where it was not a finalist.
         None where the run failed.
-    best : Outcome
+    best : RunOutcome
         On input elements. It carries the error, where one ended the run.
 
     Raises
@@ -203,22 +205,22 @@ def carry_out(plan: Plan, workers: int, listener: Listener) -> tuple[list[Outcom
         "further": plan.further,
         "polish": plan.polish,
     }
-    crew = Crew(plan.rough, plan.whole)
-    with Workers(crew.tasks(tasks), workers, listener) as pool:
-        crew.join(pool)
+    tracked = TrackedWorkers(plan.coarse, plan.whole)
+    with Workers(tracked.tasks(tasks), workers, listener) as pool:
+        tracked.join(pool)
         try:
-            outcomes = all_starts(plan, crew)
-            if plan.rough is plan.whole:
+            outcomes = all_starts(plan, tracked)
+            if plan.coarse is plan.whole:
                 return outcomes, min(outcomes, key=lambda outcome: outcome.cost)
-            return outcomes, finish(plan, outcomes, crew)
+            return outcomes, finish(plan, outcomes, tracked)
         except MosegError as error:
-            best = crew.rescued(error)
+            best = tracked.best_found(error)
             if best is None:
                 raise
             return [], best
 
 
-def all_starts(plan: Plan, pool: Crew) -> list[Outcome]:
+def all_starts(plan: Plan, pool: TrackedWorkers) -> list[RunOutcome]:
     """Run the search from every start, until asked to stop.
 
     A run that draws no random numbers is the same each time; it is repeated only on request.
@@ -235,7 +237,7 @@ def all_starts(plan: Plan, pool: Crew) -> list[Outcome]:
         attempts = attempts[:1]
     outcomes = [attempt.outcome for attempt in attempts]
     runs = [attempt.run for attempt in attempts]
-    left = _distinct(plan.rough, outcomes)
+    left = _distinct(plan.coarse, outcomes)
     until = float(_TRIAL * int(runs[0].free.sum()))
     while math.isfinite(until):
         keep = max(plan.finalists, -(-len(left) // 2))
@@ -248,7 +250,7 @@ def all_starts(plan: Plan, pool: Crew) -> list[Outcome]:
     return outcomes
 
 
-def _distinct(evaluator: ProblemEvaluator, outcomes: Sequence[Outcome]) -> list[int]:
+def _distinct(evaluator: ProblemEvaluator, outcomes: Sequence[RunOutcome]) -> list[int]:
     """Numbers of the outcomes, without those that have the labels of an earlier one."""
     found: dict[bytes, int] = {}
     for k, outcome in enumerate(outcomes):
@@ -256,34 +258,36 @@ def _distinct(evaluator: ProblemEvaluator, outcomes: Sequence[Outcome]) -> list[
     return list(found.values())
 
 
-def finish(plan: Plan, outcomes: Sequence[Outcome], pool: Crew) -> Outcome:
+def finish(plan: Plan, outcomes: Sequence[RunOutcome], pool: TrackedWorkers) -> RunOutcome:
     """The best of what was found on the coarse shape, by its cost on the whole one.
 
     The finalists, and all others where each of those loses a part between the levels, are
     partitioned anew. The best on super-elements and the best by what they cost now are polished,
     and the least exact cost wins: one with an empty part comes after all without.
     """
-    rough, whole = plan.rough, plan.whole
+    coarse, whole = plan.coarse, plan.whole
 
-    def exact(outcome: Outcome) -> Outcome:
-        vector = whole.parameterization.encode(rough.parameterization.decode(outcome.vector))
+    def exact(outcome: RunOutcome) -> RunOutcome:
+        vector = whole.parameterization.encode(coarse.parameterization.decode(outcome.vector))
         return replace(outcome, vector=vector, cost=whole.evaluate(vector).cost)
 
-    by_cost = sorted((outcomes[k] for k in _distinct(rough, outcomes)), key=lambda o: o.cost)
-    last = [outcome for outcome in by_cost if outcome.reason != "paused"]
-    found = [exact(outcome) for outcome in last]
+    by_cost = sorted((outcomes[k] for k in _distinct(coarse, outcomes)), key=lambda o: o.cost)
+    finalists = [outcome for outcome in by_cost if outcome.reason != "paused"]
+    found = [exact(outcome) for outcome in finalists]
     if all(outcome.cost.empty for outcome in found):
         found += [exact(outcome) for outcome in by_cost if outcome.reason == "paused"]
     # The best on super-elements first: a part that it loses between levels a few steps may mend.
     ranked = [found[0], *sorted(found[1:], key=lambda outcome: outcome.cost)]
-    polished: list[Outcome] = []
+    polished: list[RunOutcome] = []
     if plan.deadline is None or time.monotonic() < plan.deadline:
         polished = pool.map("polish", [(outcome,) for outcome in ranked[:_POLISHED]])
     best = min([*polished, *ranked], key=lambda outcome: outcome.cost)
     return replace(best, reason="evaluations") if best.reason == "paused" else best
 
 
-def shared_budget(ready: dict[Kind, Ready], restarts: int) -> dict[Kind, Ready]:
+def shared_budget(
+    ready: dict[Kind, PreparedComponent], restarts: int
+) -> dict[Kind, PreparedComponent]:
     """The components with a limit on evaluations divided among the starts."""
     optimizer = ready["optimizer"]
     budget = optimizer.parameters.get("max_evaluations")
@@ -295,7 +299,7 @@ def shared_budget(ready: dict[Kind, Ready], restarts: int) -> dict[Kind, Ready]:
     return {**ready, "optimizer": replace(optimizer, parameters=shared)}
 
 
-def disagreement(outcomes: Sequence[Outcome]) -> list[str]:
+def disagreement(outcomes: Sequence[RunOutcome]) -> list[str]:
     """A warning where several starts that went on to the end came to clearly different costs."""
     values = [outcome.cost.value for outcome in outcomes if outcome.reason != "paused"]
     least, greatest = min(values, default=0.0), max(values, default=0.0)

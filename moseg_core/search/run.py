@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from moseg_core.components.chosen import Ready
+from moseg_core.components.chosen import PreparedComponent
 from moseg_core.components.cost import WORST, Cost
 from moseg_core.components.protocols import (
     Batch,
@@ -32,7 +32,7 @@ from moseg_core.types import BoolArray, FloatArray
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Outcome:
+class RunOutcome:
     """What one run found.
 
     Parameters
@@ -91,7 +91,7 @@ class Run:
 
 def set_up(
     evaluator: ProblemEvaluator,
-    ready: Ready,
+    ready: PreparedComponent,
     vector: FloatArray,
     *,
     rng: np.random.Generator,
@@ -100,12 +100,12 @@ def set_up(
     seeding: Seeding | None = None,
 ) -> Run:
     """An optimizer over the coordinates that neither constraints determine nor labels freeze."""
-    rules = evaluator.constraints
-    base = rules.reduce(vector)
-    free = free_coordinates(rules, frozen)
+    constraints = evaluator.constraints
+    base = constraints.reduce(vector)
+    free = free_coordinates(constraints, frozen)
     search: Optimizer | None = None
     if free.any():
-        bounds = rules.lower[free], rules.upper[free], rules.scale[free]
+        bounds = constraints.lower[free], constraints.upper[free], constraints.scale[free]
         search = ready.make(base[free].clip(bounds[0], bounds[1]), *bounds, rng=rng)
     return Run(
         search=search,
@@ -120,19 +120,19 @@ def set_up(
 def go_on(
     run: Run,
     evaluator: ProblemEvaluator,
-    ready: Ready,
+    ready: PreparedComponent,
     *,
     report: Report,
     deadline: float | None = None,
     until: float = math.inf,
-) -> Outcome:
+) -> RunOutcome:
     """Ask and tell until the optimizer has finished, or something says stop.
 
     Parameters
     ----------
     run : Run
     evaluator : ProblemEvaluator
-    ready : Ready
+    ready : PreparedComponent
         What the optimizer was made from, to call it by its name.
     report : callable
     deadline : float, optional
@@ -142,7 +142,7 @@ def go_on(
 
     Returns
     -------
-    Outcome
+    RunOutcome
         Its history has the stages "seeding", where there was one, and "search" or "polish".
     """
     stage = "polish" if run.stage == "polish" else "search"
@@ -151,7 +151,7 @@ def go_on(
     if search is None:
         vector = evaluator.constraints.expand(run.base[None])[0]
         cost = evaluator.evaluate(vector).cost
-        return Outcome(
+        return RunOutcome(
             vector=vector,
             cost=cost,
             reason="converged",
@@ -161,7 +161,7 @@ def go_on(
     reason = _ask_and_tell(run, search, evaluator, ready, report, deadline, until)
     with ready.guard():
         (found, cost), records = search.best, plain_records(search.history)
-    return Outcome(
+    return RunOutcome(
         vector=evaluator.constraints.expand(_filled(found[None], run.base, run.free))[0],
         cost=cost,
         reason=reason,
@@ -174,7 +174,7 @@ def _ask_and_tell(
     run: Run,
     search: Optimizer,
     evaluator: ProblemEvaluator,
-    ready: Ready,
+    ready: PreparedComponent,
     report: Report,
     deadline: float | None,
     until: float,
@@ -213,11 +213,11 @@ def _costs(evaluator: ProblemEvaluator, batch: Batch, free: FloatArray) -> list[
     return costs
 
 
-def free_coordinates(rules: Constraints, frozen: Sequence[int]) -> BoolArray:
+def free_coordinates(constraints: Constraints, frozen: Sequence[int]) -> BoolArray:
     """(k,) bool: the coordinates that do not decide about a frozen label."""
-    free = np.ones(rules.n_free, np.bool_)
+    free = np.ones(constraints.n_free, np.bool_)
     for label in frozen:
-        free[rules.coordinates(label)] = False
+        free[constraints.coordinates(label)] = False
     return free
 
 
@@ -241,7 +241,7 @@ def plain_records(
     )
 
 
-def _ask(ready: Ready, search: Optimizer, size: int) -> Batch:
+def _ask(ready: PreparedComponent, search: Optimizer, size: int) -> Batch:
     """Ask the optimizer, and check that it asks for something."""
     with ready.guard():
         batch = search.ask()

@@ -14,7 +14,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import numpy.typing as npt
 
-from moseg_core.components.chosen import Choice, Ready, prepare
+from moseg_core.components.chosen import Choice, PreparedComponent, prepare
 from moseg_core.components.discovery.specs import Kind
 from moseg_core.components.protocols import Centers, Report, never_stop
 from moseg_core.errors import MosegError, UsageError, unknown
@@ -38,7 +38,7 @@ from moseg_core.search.restarts import (
     shared_budget,
 )
 from moseg_core.search.result import Result, find_warnings
-from moseg_core.search.run import Outcome
+from moseg_core.search.run import RunOutcome
 from moseg_core.shape.coarse import coarse_pins
 from moseg_core.shape.pins import read_pins
 from moseg_core.shape.shape import Shape
@@ -191,17 +191,17 @@ def solve(
     )
     listener = Listener(report or never_stop)
 
-    coarse = searched_shape(embedded, settled.resolution, pinned)
-    rough = whole
-    if coarse is not embedded:
-        partition = make_partition(ready["parameterization"], coarse, n)
-        rough = ProblemEvaluator(
-            coarse, problem, partition, pins=coarse_pins(pinned, coarse), input=whole
+    grouped = searched_shape(embedded, settled.resolution, pinned)
+    coarse = whole
+    if grouped is not embedded:
+        partition = make_partition(ready["parameterization"], grouped, n)
+        coarse = ProblemEvaluator(
+            grouped, problem, partition, pins=coarse_pins(pinned, grouped), input=whole
         )
         if settled.settings == "default":
             ready["optimizer"] = ready["optimizer"].tuned("coarse")
     plan = Plan(
-        rough=rough,
+        coarse=coarse,
         whole=whole,
         ready=shared_budget(ready, settled.restarts),
         restarts=settled.restarts,
@@ -224,9 +224,9 @@ def _result(
     shape: Shape,
     plan: Plan,
     settled: SettledOptions,
-    ready: Mapping[Kind, Ready],
-    outcomes: Sequence[Outcome],
-    best: Outcome,
+    ready: Mapping[Kind, PreparedComponent],
+    outcomes: Sequence[RunOutcome],
+    best: RunOutcome,
     *,
     interrupted: bool,
 ) -> Result:
@@ -356,7 +356,7 @@ def check_frozen(problem: Problem, freeze: Sequence[str]) -> list[int]:
     return [problem.labels.index(name) for name in freeze]
 
 
-def prepare_components(problem: Problem, options: SettledOptions) -> dict[Kind, Ready]:
+def prepare_components(problem: Problem, options: SettledOptions) -> dict[Kind, PreparedComponent]:
     """Find, load and check the components of a run, tuned to the settings.
 
     Parameters
@@ -376,11 +376,11 @@ def prepare_components(problem: Problem, options: SettledOptions) -> dict[Kind, 
     return {kind: component.tuned("default") for kind, component in found.items()}
 
 
-def _versions(plan: Plan, ready: Mapping[Kind, Ready]) -> dict[str, str]:
+def _versions(plan: Plan, ready: Mapping[Kind, PreparedComponent]) -> dict[str, str]:
     """The distribution that each component used comes from."""
     problem = plan.whole.problem
     chosen = [*ready.values()]
-    if plan.rough is not plan.whole:
+    if plan.coarse is not plan.whole:
         chosen.append(polisher(ready["optimizer"], problem.registry))
     used = {r.component.id: r.component.distribution for r in chosen}
     return dict(sorted((problem.versions | used).items()))

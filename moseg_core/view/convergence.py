@@ -192,19 +192,19 @@ def _panel(
     shown = [curve for curve in curves if curve.shown]
     if not any(not curve.right for curve in shown):
         return None
-    told = list(notes)
+    lines = list(notes)
     if any(k in curve.hollow for curve in shown for k in curve.shown):
-        told.append("hollow: with an empty part")
+        lines.append("hollow: with an empty part")
     missing = sum(_infinite(curve) for curve in curves if not curve.right)
     if missing:
-        told.append(f"infinite, left out: {missing}")
+        lines.append(f"infinite, left out: {missing}")
     return Panel(
         title=title,
         x_label=x_label,
         y_label=y_label,
         curves=tuple(shown),
         right_label=right if any(curve.right for curve in shown) else "",
-        notes=tuple(told),
+        notes=tuple(lines),
     )
 
 

@@ -28,10 +28,10 @@ def evaluator_of(shape: Shape = SHAPE, text: str = TEXT) -> ProblemEvaluator:
     return ProblemEvaluator(shape, problem, Voronoi(shape, len(LABELS)))
 
 
-def literal_fitness(person):
+def literal_fitness(individual):
     """Best labels by the unary terms, tried one by one, and the whole cost under them."""
     problem, voronoi = Problem(LABELS, TEXT), Voronoi(SHAPE, len(LABELS))
-    at = Centers(positions=SHAPE.points[list(person)], weights=np.ones(len(person)))
+    at = Centers(positions=SHAPE.points[list(individual)], weights=np.ones(len(individual)))
     parts = voronoi.labels(voronoi.encode(at)[None])[0]
     unary = Problem(LABELS, "2*narrow(stem) + compact(bar) - 0.5*flat(rest)")
     best = None
@@ -40,7 +40,7 @@ def literal_fitness(person):
         cost = unary.evaluate(SHAPE, labels).cost.value
         if best is None or cost < best[0] - 1e-12:
             best = (cost, order, problem.evaluate(SHAPE, labels).cost)
-    return best[2], [person[part] for part in best[1]]
+    return best[2], [individual[part] for part in best[1]]
 
 
 def literal_evolution(population, iterations, fraction, size, rng):
@@ -48,23 +48,23 @@ def literal_evolution(population, iterations, fraction, size, rng):
     n, count = len(LABELS), SHAPE.n_elements
     points = SHAPE.unit_points
 
-    def tournament(people, fitness):
-        drawn = rng.choice(len(people), size, replace=False).tolist()
-        return people[min(drawn, key=lambda k: fitness[k])]
+    def tournament(population, fitness):
+        drawn = rng.choice(len(population), size, replace=False).tolist()
+        return population[min(drawn, key=lambda k: fitness[k])]
 
-    def new(person):
+    def new(individual):
         while True:
             element = int(rng.integers(count))
-            if element not in person:
+            if element not in individual:
                 return element
 
-    people = [rng.choice(count, n, replace=False).tolist() for _ in range(population)]
+    population = [rng.choice(count, n, replace=False).tolist() for _ in range(population)]
     best = None
     history = []
     for iteration in range(iterations):
         fitness = []
-        for person in people:
-            cost, ordered = literal_fitness(sorted(person))
+        for individual in population:
+            cost, ordered = literal_fitness(sorted(individual))
             fitness.append(cost)
             if best is None or cost < best[0]:
                 best = (cost, ordered)
@@ -74,7 +74,7 @@ def literal_evolution(population, iterations, fraction, size, rng):
         following = []
         i = 1
         while i <= fraction * population:
-            first, second = tournament(people, fitness), tournament(people, fitness)
+            first, second = tournament(population, fitness), tournament(population, fitness)
             aligned = min(
                 itertools.permutations(second),
                 key=lambda order: sum(
@@ -90,12 +90,12 @@ def literal_evolution(population, iterations, fraction, size, rng):
             following.append(child)
             i += 1
         while i <= population:
-            mutant = list(tournament(people, fitness))
+            mutant = list(tournament(population, fitness))
             place = int(rng.integers(n))
             mutant[place] = new(mutant)
             following.append(mutant)
             i += 1
-        people = following
+        population = following
     return best, history
 
 
@@ -179,12 +179,12 @@ def test_children_have_different_centres_from_their_parents_or_new(first, second
     assert same.tolist() == first.tolist()
 
 
-@given(person=elements, seed=st.integers(0, 9))
-def test_a_mutant_differs_in_one_place(person, seed):
-    before = person.copy()
-    mutant = mutate(person, 31, np.random.default_rng(seed))
-    assert (person == before).all()
-    assert (mutant != person).sum() == 1
+@given(individual=elements, seed=st.integers(0, 9))
+def test_a_mutant_differs_in_one_place(individual, seed):
+    before = individual.copy()
+    mutant = mutate(individual, 31, np.random.default_rng(seed))
+    assert (individual == before).all()
+    assert (mutant != individual).sum() == 1
     assert len(set(mutant.tolist())) == 4
     everything = np.arange(5)
     assert (mutate(everything, 5, np.random.default_rng(seed)) == everything).all()

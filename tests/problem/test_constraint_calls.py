@@ -10,7 +10,7 @@ from moseg_core.components.constraint_function import FunctionConstraint
 from moseg_core.components.protocols import Constraint
 from moseg_core.errors import ExpressionError, PluginError, UsageError
 from moseg_core.language import Argument, Term
-from moseg_core.problem.constraint_calls import bind_rules
+from moseg_core.problem.constraint_calls import bind_constraints
 from moseg_core.problem.problem import Problem
 from tests.reflections import known, pair
 
@@ -18,7 +18,7 @@ LABELS = ("head", "body", "leg1", "leg2")
 
 
 def bound(*given, plane=None):
-    return bind_rules(given, LABELS, known(), plane)
+    return bind_constraints(given, LABELS, known(), plane)
 
 
 def test_a_rule_knows_its_labels_in_the_order_written():
@@ -97,7 +97,7 @@ def test_what_is_wrong_is_named(text, message):
 
 def test_other_things_than_constraints_are_refused():
     with pytest.raises(UsageError, match="a list of calls, not the text"):
-        bind_rules("mirror(leg2, leg1)", LABELS, known(), None)
+        bind_constraints("mirror(leg2, leg1)", LABELS, known(), None)
     with pytest.raises(UsageError, match="decorated with @moseg_core"):
         bound(lambda free: free)
     (rule,) = bound("nothing(head)")
@@ -109,7 +109,7 @@ def test_a_function_is_a_constraint_on_all_labels_or_those_given():
     assert isinstance(pair, FunctionConstraint)
     (by_name,) = bound("pair(leg1, leg2)")
     assert by_name.labels == (2, 3)
-    (whole,) = bind_rules([pair], ("a", "b"), known(), None)
+    (whole,) = bind_constraints([pair], ("a", "b"), known(), None)
     assert (whole.labels, whole.id) == ((0, 1), "python:pair")
     assert isinstance(whole.make(None), Constraint)
     assert isinstance(pair.__doc__, str)

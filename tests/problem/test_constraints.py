@@ -14,7 +14,7 @@ from moseg_core.builtin.voronoi import Voronoi
 from moseg_core.components.constraint_function import constraint
 from moseg_core.components.protocols import Centers
 from moseg_core.errors import PluginError, UsageError
-from moseg_core.problem.constraint_calls import bind_rules
+from moseg_core.problem.constraint_calls import bind_constraints
 from moseg_core.problem.constraints import Constraints
 from moseg_core.problem.problem import Problem
 from moseg_core.search.evaluator import ProblemEvaluator
@@ -40,7 +40,7 @@ RULES = {
 
 
 def constraints(rules, names=DOG, shape=TABLE):
-    found = bind_rules(rules, names, known(), None)
+    found = bind_constraints(rules, names, known(), None)
     return Constraints(found, Voronoi(shape, len(names)), shape, names)
 
 
@@ -77,7 +77,7 @@ def test_reduce_undoes_expand(name, seed):
     assert found.reduce(back[0]) == pytest.approx(free, abs=1e-7)
     # Feasible vectors stay as they are.
     assert found.expand(found.reduce(back[0])[None]) == pytest.approx(back, abs=1e-7)
-    assert found.led(back[0]) == pytest.approx(back[0], abs=1e-7)
+    assert found.completed(back[0]) == pytest.approx(back[0], abs=1e-7)
 
 
 def test_without_constraints_nothing_is_touched():
@@ -116,10 +116,10 @@ def test_reduce_finds_the_nearest_feasible_centres(seed):
 def test_leaders_are_led_and_others_follow():
     found = constraints(BULLDOG)
     whole = vectors(1)[0].reshape(6, 4)
-    led = found.led(whole.reshape(-1)).reshape(6, 4)
-    assert led[2] == pytest.approx(whole[2], abs=1e-12)
-    assert led[3] == pytest.approx(FLIP * whole[2], abs=1e-12)
-    assert led[0] == pytest.approx([0, *whole[0, 1:]], abs=1e-12)
+    completed = found.completed(whole.reshape(-1)).reshape(6, 4)
+    assert completed[2] == pytest.approx(whole[2], abs=1e-12)
+    assert completed[3] == pytest.approx(FLIP * whole[2], abs=1e-12)
+    assert completed[0] == pytest.approx([0, *whole[0, 1:]], abs=1e-12)
 
 
 def test_groups_and_roles():

@@ -196,7 +196,9 @@ def components_of(recipe: Recipe) -> list[str]:
     found = []
     for _, level in recipe.hierarchy().levels():
         problem = level.problem
-        found += [term.id for term in problem.terms] + [rule.id for rule in problem.rules]
+        found += [term.id for term in problem.terms] + [
+            rule.id for rule in problem.bound_constraints
+        ]
         found += [problem.bending.component.id] if problem.bending else []
         ready = prepare_components(problem, SearchOptions().settled(level.search))
         found += [prepared.component.id for prepared in ready.values()]

@@ -12,7 +12,7 @@ from moseg_core.components.objectives import FunctionObjective, Traits
 from moseg_core.errors import MosegError, PluginError
 from moseg_core.problem.hierarchy import Hierarchy
 from moseg_core.problem.problem import Problem
-from moseg_core.search.best_so_far import Crew
+from moseg_core.search.best_so_far import TrackedWorkers
 from moseg_core.search.levels import segment_hierarchy
 from moseg_core.search.segment import segment
 from moseg_core.shape.shape import Shape
@@ -153,9 +153,9 @@ def test_the_least_of_all_processes_is_kept():
     for vector in numbers(7):
         evaluator.evaluate(vector)
     cost, vector = evaluator.best
-    crew = Crew(evaluator, evaluator)
-    crew._note([(cost._replace(value=cost.value - 1), vector + 1), None])
+    tracked = TrackedWorkers(evaluator, evaluator)
+    tracked._note([(cost._replace(value=cost.value - 1), vector + 1), None])
     error = PluginError("no more")
-    rescued = crew.rescued(error)
-    assert rescued.failure is error
-    assert (rescued.cost, rescued.vector.tolist()) == (cost, vector.tolist())  # the exact one
+    found = tracked.best_found(error)
+    assert found.failure is error
+    assert (found.cost, found.vector.tolist()) == (cost, vector.tolist())  # the exact one

@@ -198,14 +198,14 @@ def test_centres_given_by_hand_may_make_parts_smaller_than_a_super_element():
 
 def test_a_coarse_result_that_loses_a_part_comes_last(monkeypatch):
     from moseg_core.search import restarts
-    from moseg_core.search.run import Outcome
+    from moseg_core.search.run import RunOutcome
 
     shape = coarsen(SHAPE, 200)
     partition = Voronoi(shape, 2)
     good = Centers(positions=SHAPE.points[[100, 1200]], weights=np.ones(2))
     lost = Centers(positions=SHAPE.points[[100, 100]], weights=np.ones(2))
     outcomes = [
-        Outcome(
+        RunOutcome(
             vector=partition.encode(centers), cost=Cost(0, cost), reason="converged", history={}
         )
         for centers, cost in ((lost, 0.0), (good, 5.0))

@@ -75,8 +75,8 @@ def read_claims(points: Iterable[metadata.EntryPoint]) -> list[Claim]:
         if point.dist is None:
             claims.append(Claim(point, "an unnamed distribution", "of unknown version"))
             continue
-        told = point.dist.metadata  # read and parsed at each touch
-        claim = Claim(point, told["Name"], told["Version"])
+        named = point.dist.metadata  # read and parsed at each touch
+        claim = Claim(point, named["Name"], named["Version"])
         place = claim.version, Path(str(point.dist.locate_file(""))).resolve()
         copies.setdefault(claim.claimant, {}).setdefault(place, []).append(claim)
     for found in copies.values():
@@ -114,9 +114,9 @@ def _home(dist: metadata.Distribution | None) -> Path:
         from urllib.parse import urlparse
         from urllib.request import url2pathname
 
-        told = json.loads(text)
-        if told.get("dir_info", {}).get("editable"):
-            return Path(url2pathname(urlparse(told["url"]).path)).resolve()
+        direct = json.loads(text)
+        if direct.get("dir_info", {}).get("editable"):
+            return Path(url2pathname(urlparse(direct["url"]).path)).resolve()
     return Path(str(dist.locate_file(""))).resolve()
 
 
