@@ -75,5 +75,5 @@ def test_a_module_of_no_tests_is_found():
     package = ROOT / "moseg_core"
     assert has_tests(package / "shape" / "mesh.py", package, ROOT / "tests")
     assert not has_tests(package / "shape" / "mash.py", package, ROOT / "tests")
-    assert excuse("moseg_core/testing/checks/seeders.py") == "moseg_core/testing/checks"
-    assert excuse("moseg_core/testing/checked.py") is None
+    assert excuse("moseg_core/view/scene.py") == "moseg_core/view/scene.py"
+    assert excuse("moseg_core/view/scenery.py") is None

@@ -32,7 +32,9 @@ def interrupted(words, cwd):
 
 # The search says when it polls and then waits, so that the signal comes in the middle of it.
 _RUNNER = """
-import sys, time
+import signal, sys, time
+# A job in the background of a shell starts with the signal ignored.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 import moseg_core.builtin.pattern_search as module
 ask = module.PatternSearch.ask
 count = 0

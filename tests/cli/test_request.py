@@ -44,7 +44,7 @@ def test_a_plane_that_nothing_needs_is_an_error():
 
 def test_centres_by_hand_are_a_seeder():
     options = read_search(SearchFlags(seed=4), SteeringFlags(centers="a=0,0,0"))
-    assert options.seeder == Choice("given", {"centers": "a=0,0,0"})
+    assert options.seeder == Choice("core:given", {"centers": "a=0,0,0"})
     assert options.seed == 4
     with pytest.raises(UsageError, match="--centers goes with the seeder 'given', not 'kmeans'"):
         read_search(SearchFlags(seeder="kmeans"), SteeringFlags(centers="a=0,0,0"))

@@ -193,7 +193,9 @@ def test_a_lost_process_ends_the_run_and_what_was_done_is_kept(psb, tmp_path, ca
 
 
 STUCK = """
-import sys, time
+import signal, sys, time
+# A job in the background of a shell starts with the signal ignored.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 from moseg_benchmark import run
 from moseg_core.cli import main
 
