@@ -48,9 +48,9 @@ def literal_evolution(population, iterations, fraction, size, rng):
     n, count = len(LABELS), SHAPE.n_elements
     points = SHAPE.unit_points
 
-    def tournament(population, fitness):
-        drawn = rng.choice(len(population), size, replace=False).tolist()
-        return population[min(drawn, key=lambda k: fitness[k])]
+    def tournament(individuals, fitness):
+        drawn = rng.choice(len(individuals), size, replace=False).tolist()
+        return individuals[min(drawn, key=lambda k: fitness[k])]
 
     def new(individual):
         while True:
@@ -58,12 +58,12 @@ def literal_evolution(population, iterations, fraction, size, rng):
             if element not in individual:
                 return element
 
-    population = [rng.choice(count, n, replace=False).tolist() for _ in range(population)]
+    individuals = [rng.choice(count, n, replace=False).tolist() for _ in range(population)]
     best = None
     history = []
     for iteration in range(iterations):
         fitness = []
-        for individual in population:
+        for individual in individuals:
             cost, ordered = literal_fitness(sorted(individual))
             fitness.append(cost)
             if best is None or cost < best[0]:
@@ -74,7 +74,7 @@ def literal_evolution(population, iterations, fraction, size, rng):
         following = []
         i = 1
         while i <= fraction * population:
-            first, second = tournament(population, fitness), tournament(population, fitness)
+            first, second = tournament(individuals, fitness), tournament(individuals, fitness)
             aligned = min(
                 itertools.permutations(second),
                 key=lambda order: sum(
@@ -90,12 +90,12 @@ def literal_evolution(population, iterations, fraction, size, rng):
             following.append(child)
             i += 1
         while i <= population:
-            mutant = list(tournament(population, fitness))
+            mutant = list(tournament(individuals, fitness))
             place = int(rng.integers(n))
             mutant[place] = new(mutant)
             following.append(mutant)
             i += 1
-        population = following
+        individuals = following
     return best, history
 
 

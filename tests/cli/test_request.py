@@ -46,7 +46,9 @@ def test_centres_by_hand_are_a_seeder():
     options = read_search(SearchFlags(seed=4), SteeringFlags(centers="a=0,0,0"))
     assert options.seeder == Choice("core:given", {"centers": "a=0,0,0"})
     assert options.seed == 4
-    with pytest.raises(UsageError, match="--centers goes with the seeder 'given', not 'kmeans'"):
+    with pytest.raises(
+        UsageError, match="goes with a seeder that takes centres, 'core:given', not 'kmeans'"
+    ):
         read_search(SearchFlags(seeder="kmeans"), SteeringFlags(centers="a=0,0,0"))
 
 
