@@ -101,10 +101,13 @@ class Problem:
         self.plane = plane
         self.embedding = None if embedding is None else Choice.read(embedding, "embedding")
         # Bound at once, so that a mistake shows where it is made.
-        self.bending: PreparedComponent | None = None
+        self.embedding_component: PreparedComponent | None = None
         if self.embedding is not None:
-            self.bending = prepare(self.embedding, "embedding", self.registry)
-        spaces = [ORIGINAL, *([self.bending.component.spec.name] if self.bending else [])]
+            self.embedding_component = prepare(self.embedding, "embedding", self.registry)
+        spaces = [
+            ORIGINAL,
+            *([self.embedding_component.component.spec.name] if self.embedding_component else []),
+        ]
         self.space = ORIGINAL if space is None else space
         if self.space not in spaces:
             hint = "" if self.embedding else "; give the embedding too"
@@ -183,8 +186,10 @@ class Problem:
         """
         named = {term.id: term.distribution for term in self.terms}
         named |= {bound.id: bound.distribution for bound in self.bound_constraints}
-        if self.bending is not None:
-            named[self.bending.component.id] = self.bending.component.distribution
+        if self.embedding_component is not None:
+            named[self.embedding_component.component.id] = (
+                self.embedding_component.component.distribution
+            )
         return dict(sorted(named.items()))
 
     @cached_property
@@ -233,7 +238,7 @@ class Problem:
         PluginError
             The embedding does not do what its kind promises.
         """
-        ready = self.bending
+        ready = self.embedding_component
         if ready is None or shape.original is not None:
             return shape
         component = ready.component
@@ -241,10 +246,10 @@ class Problem:
         key = (text, component.distribution, component.spec.target)
         if key not in shape.made_from:
             with ready.guard():
-                bent = ready.make()(shape)
-            if not isinstance(bent, Shape) or bent.n_elements != shape.n_elements:
+                deformed = ready.make()(shape)
+            if not isinstance(deformed, Shape) or deformed.n_elements != shape.n_elements:
                 raise PluginError(f"{ready.who} must return a Shape of the same elements; {REPORT}")
-            shape.made_from[key] = replace(bent, space=component.spec.name, original=shape)
+            shape.made_from[key] = replace(deformed, space=component.spec.name, original=shape)
         embedded: Shape = shape.made_from[key]
         return embedded
 

@@ -288,8 +288,8 @@ def _start_centers(start: Centers | Result | None, problem: Problem) -> Centers 
                 "the start is a result of several levels, whose centres belong to different"
                 " partitions; start from a result of one level, such as result.levels['']"
             )
-        bent = start.problem.embedding
-        start = matched_centers(start.problem.labels, start.centers, problem, embedding=bent)
+        embedding = start.problem.embedding
+        start = matched_centers(start.problem.labels, start.centers, problem, embedding=embedding)
     n = len(problem.labels)
     if start is not None and (
         np.shape(start.positions) != (n, 3) or np.shape(start.weights) != (n,)

@@ -387,16 +387,16 @@ class Shape(ShapeData):
                 f" {len(self.geometry.vertices)} vertices, not an array of shape {places.shape}"
             )
         mesh = replace(self.geometry, vertices=places)
-        bent = Shape.from_polygon_mesh(mesh, name=self.name)
+        deformed = Shape.from_polygon_mesh(mesh, name=self.name)
         volume = deformed_volume(
             mesh,
             original=self.geometry,
             original_volume=self.enclosed,
             space=space,
-            diagonal=bent.frame.scale,
+            diagonal=deformed.frame.scale,
         )
         return replace(
-            bent,
+            deformed,
             adjacency=self.adjacency,
             adjacency_source=self.adjacency_source,
             enclosed=volume,

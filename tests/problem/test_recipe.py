@@ -199,7 +199,7 @@ def components_of(recipe: Recipe) -> list[str]:
         found += [term.id for term in problem.terms] + [
             rule.id for rule in problem.bound_constraints
         ]
-        found += [problem.bending.component.id] if problem.bending else []
+        found += [problem.embedding_component.component.id] if problem.embedding_component else []
         ready = prepare_components(problem, SearchOptions().settled(level.search))
         found += [prepared.component.id for prepared in ready.values()]
     return found
