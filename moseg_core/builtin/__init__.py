@@ -1,1 +1,10 @@
-"""The core's own components: one module each, offered as the bundle ``core`` by ``plugin``."""
+"""The core's own components, offered by :mod:`~moseg_core.builtin.plugin` as anybody's bundle is.
+
+The parameterization :mod:`~moseg_core.builtin.voronoi` (Sec. 4) over the kernel of Algorithm 1,
+:mod:`~moseg_core.builtin.flood`. Seeders (Sec. 5): :mod:`~moseg_core.builtin.kmeans`, which begins
+at the farthest pair of :mod:`~moseg_core.builtin.diameter`, :mod:`~moseg_core.builtin.evolution`,
+and centres by hand, :mod:`~moseg_core.builtin.given`. Labelers (Sec. 6):
+:mod:`~moseg_core.builtin.hungarian`, :mod:`~moseg_core.builtin.greedy`,
+:mod:`~moseg_core.builtin.exhaustive`. The optimizer (Sec. 7):
+:mod:`~moseg_core.builtin.pattern_search`.
+"""

@@ -91,7 +91,7 @@ def run_segment(
     with (
         progress_reporter(quiet=quiet) as show,
         stop_on_interrupt(wanted=bool(outputs)) as stop,
-        naming_slow_calls(partial(_tell_waiting, quiet=quiet), after=PATIENCE),
+        naming_slow_calls(partial(_report_slow_call, quiet=quiet), after=PATIENCE),
     ):
         try:
             result = solve_hierarchy(
@@ -129,7 +129,7 @@ def run_segment(
         raise KeyboardInterrupt
 
 
-def _tell_waiting(what: str, seconds: float, *, quiet: bool) -> None:
+def _report_slow_call(what: str, seconds: float, *, quiet: bool) -> None:
     message(f"waiting for {what}, {seconds:.0f} s so far", quiet=quiet)
 
 

@@ -1,4 +1,4 @@
-"""Boundaries below mesh resolution: straddling faces are cut along the bisector (Sec. 4, Fig. 2).
+"""Smooth boundaries: where to cut a mesh between its parts, and the cutting (Sec. 4, Fig. 2).
 
 :mod:`~moseg_core.clipping.clip` cuts a labelled mesh; :mod:`~moseg_core.clipping.net` says which
 edges are cut and where, :mod:`~moseg_core.clipping.pieces` divides the faces between their

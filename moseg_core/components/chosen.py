@@ -102,7 +102,7 @@ class PreparedComponent:
         return self if self.by_user else self.preset(occasion)
 
     def make(self, *arguments: Any, **more: Any) -> Any:
-        """Construct the component with what the pipeline gives it and the user's parameters.
+        """Construct the component with what the search gives it and the user's parameters.
 
         Raises
         ------

@@ -9,8 +9,8 @@ by plugins and asked for by id, ``part.measure("basic:hull_volume")``. They are 
 part and shared by all objectives.
 
 During a search on a coarse shape (:mod:`moseg_core.shape.coarse`) a part is a union of
-super-elements. All that it says of itself is still about the user's shape and its elements; only
-:attr:`Part.level` tells.
+super-elements. All that it says of itself is still about the user's shape and its elements;
+:attr:`Part.level` alone is the coarse one.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Reading shapes and writing results, by suffix; the only place that touches the disk.
+"""Reading shapes and writing results, by suffix; the only place that writes shapes and results.
 
 Readers and writers are components (:mod:`moseg_core.components.discovery.specs`), so that a bundle
 can add formats. A file is written beside its destination and renamed when it is whole: a run that
@@ -72,7 +72,8 @@ def save(result: Result, path: str | os.PathLike[str], *, source: Registry | Non
     ----------
     result : Result
     path : path-like
-        ``.json``, ``.seg``, ``.ply``, ``.glb``, ``.png``, ``.svg``, or what installed bundles add.
+        ``.json``, ``.seg``, ``.ply``, ``.glb``, ``.npz``, ``.npy``, ``.png``, ``.svg``, or what
+        installed bundles add.
     source : Registry, optional
         Where to look for writers.
 

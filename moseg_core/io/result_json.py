@@ -38,7 +38,7 @@ class SavedResult:
     names : tuple of str
         What the labels are called: of several levels the leaves' paths.
     statement : Statement
-        What was asked for; how it was searched is told by :meth:`search`.
+        What was asked for; :meth:`search` has how it was searched.
     evaluation : Evaluation
     centers : Centers
     method : mapping of str to str

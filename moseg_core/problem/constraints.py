@@ -83,22 +83,22 @@ class Constraints:
         names: Sequence[str],
     ) -> None:
         self._partition, self._frame, self._names = partition, shape.frame, tuple(names)
-        self._members = _in_order([(bound, bound.make(shape)) for bound in given], self._names)
-        self.groups = _groups(self._members, len(self._names))
-        if not self._members:
+        self._constraints = _in_order([(bound, bound.make(shape)) for bound in given], self._names)
+        self.groups = _groups(self._constraints, len(self._names))
+        if not self._constraints:
             return
-        determined = sorted(k for _, c in self._members for k in c.determines)
+        determined = sorted(k for _, c in self._constraints for k in c.determines)
         #: Coordinates of x that follow, and those that are free as they stand.
         self._follow: IntArray = np.concatenate([partition.coordinates(k) for k in determined])
         self._plain = np.setdiff1d(np.arange(len(partition.lower)), self._follow)
-        sizes = [len(c.lower) for _, c in self._members]
+        sizes = [len(c.lower) for _, c in self._constraints]
         self._ends = len(self._plain) + np.cumsum([0, *sizes])
         self._check_apart()
 
     @property
     def active(self) -> bool:
         """Whether there are any."""
-        return bool(self._members)
+        return bool(self._constraints)
 
     @property
     def n_free(self) -> int:
@@ -115,7 +115,7 @@ class Constraints:
         """(k,) float: least value of each free number."""
         if not self.active:
             return self._partition.lower
-        own = [c.lower for _, c in self._members]
+        own = [c.lower for _, c in self._constraints]
         return np.concatenate([self._partition.lower[self._plain], *own])
 
     @property
@@ -123,7 +123,7 @@ class Constraints:
         """(k,) float: greatest value of each free number."""
         if not self.active:
             return self._partition.upper
-        own = [c.upper for _, c in self._members]
+        own = [c.upper for _, c in self._constraints]
         return np.concatenate([self._partition.upper[self._plain], *own])
 
     @property
@@ -131,7 +131,7 @@ class Constraints:
         """(k,) float: the natural size of a step of 1."""
         if not self.active:
             return self._partition.scale
-        own = [np.ones(len(c.lower)) for _, c in self._members]
+        own = [np.ones(len(c.lower)) for _, c in self._constraints]
         return np.concatenate([self._partition.scale[self._plain], *own])
 
     def coordinates(self, label: int) -> IntArray:
@@ -139,7 +139,7 @@ class Constraints:
 
         Of a label that follows another one these are the other's.
         """
-        for i, (_, member) in enumerate(self._members):
+        for i, (_, member) in enumerate(self._constraints):
             if label in member.determines:
                 own = np.arange(self._ends[i], self._ends[i + 1])
                 read = [self.coordinates(k) for k in member.reads]
@@ -158,9 +158,10 @@ class Constraints:
         whole[:, self._plain] = free[:, : len(self._plain)]
         for row, numbers in zip(whole, free, strict=True):
             centers = self._rows(row)
-            for i, (bound, member) in enumerate(self._members):
+            for i, (bound, member) in enumerate(self._constraints):
                 own = numbers[self._ends[i] : self._ends[i + 1]]
-                centers = _asked(bound, bound.call(member.expand, own, centers), centers.shape)
+                rows = bound.call(member.expand, own, centers)
+                centers = _checked_rows(bound, rows, centers.shape)
             row[self._follow] = self._vector(centers)[self._follow]
         return whole
 
@@ -173,11 +174,11 @@ class Constraints:
             return vector
         centers = self._rows(vector)
         own: list[FloatArray] = []
-        for bound, member in reversed(self._members):
+        for bound, member in reversed(self._constraints):
             free, moved = bound.call(member.reduce, centers)
-            centers = _asked(bound, moved, centers.shape)
+            centers = _checked_rows(bound, moved, centers.shape)
             own.append(np.asarray(free, dtype=np.float64))
-        read_labels = [k for _, member in self._members for k in member.reads]
+        read_labels = [k for _, member in self._constraints for k in member.reads]
         whole = vector.copy()
         if read_labels:
             read = np.concatenate([self._partition.coordinates(k) for k in read_labels])
@@ -218,11 +219,11 @@ class Constraints:
         if not self.active:
             return vector
         centers = self._rows(vector)
-        for bound, member in self._members:
+        for bound, member in self._constraints:
             free = np.empty(0)
             if len(member.lower):
                 free = bound.call(member.reduce, centers)[0]
-            centers = _asked(bound, bound.call(member.expand, free, centers), centers.shape)
+            centers = _checked_rows(bound, bound.call(member.expand, free, centers), centers.shape)
         whole = vector.copy()
         whole[self._follow] = self._vector(centers)[self._follow]
         return whole
@@ -295,7 +296,7 @@ class Constraints:
         rows = [self._rows(vector) for vector in self.expand(free)]
         for i, j in combinations(range(len(self._names)), 2):
             if all(np.allclose(r[i], r[j], rtol=0, atol=1e-12) for r in rows):
-                texts = [r.text for r, c in self._members if {i, j} & {*c.determines, *c.reads}]
+                texts = [r.text for r, c in self._constraints if {i, j} & {*c.determines, *c.reads}]
                 raise UsageError(
                     f"the constraints {_listed(texts)} put the centres of '{self._names[i]}' and"
                     f" '{self._names[j]}' in one place; leave one of them out"
@@ -363,7 +364,7 @@ def _groups(members: Sequence[tuple[BoundConstraint, Constraint]], n: int) -> tu
     return tuple(Group(members=tuple(labels[k]), role=tuple(role[k])) for k in sorted(labels))
 
 
-def _asked(bound: BoundConstraint, rows: Any, shape: tuple[int, ...]) -> FloatArray:
+def _checked_rows(bound: BoundConstraint, rows: Any, shape: tuple[int, ...]) -> FloatArray:
     """Rows that a constraint returned, checked."""
     array = np.asarray(rows, dtype=np.float64)
     if array.shape != shape:

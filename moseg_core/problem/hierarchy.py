@@ -9,7 +9,7 @@ the result, called by their *path*: ``body``, ``head/ear1``, ``head/ear2``.
 Every level is a problem of its own. Its expression knows its own labels, by their short names, and
 looks at its own shape, the part with its cuts capped (:mod:`moseg_core.shape.subshape`). The cost
 of a segmentation is the sum over all levels, each counted once; weights in front of a whole level
-are written into its expression. How it is solved is told in :mod:`moseg_core.search.levels`.
+are written into its expression. How it is solved is in :mod:`moseg_core.search.levels`.
 """
 
 from __future__ import annotations

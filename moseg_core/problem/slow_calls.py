@@ -25,7 +25,7 @@ from contextvars import ContextVar
 from dataclasses import dataclass
 from types import TracebackType
 
-Tell = Callable[[str, float], None]
+OnSlowCall = Callable[[str, float], None]
 """Receives what is being waited for, and for how many seconds so far."""
 
 _NOTHING = nullcontext()
@@ -55,7 +55,7 @@ class Watch(AbstractContextManager[None]):
     """
 
     def __init__(
-        self, tell: Tell, *, after: float, clock: Callable[[], float] = time.monotonic
+        self, tell: OnSlowCall, *, after: float, clock: Callable[[], float] = time.monotonic
     ) -> None:
         self.after = after
         self._tell, self._clock = tell, clock
@@ -129,7 +129,7 @@ def rest() -> None:
 
 @contextmanager
 def naming_slow_calls(
-    tell: Tell, *, after: float = 10.0, clock: Callable[[], float] = time.monotonic
+    tell: OnSlowCall, *, after: float = 10.0, clock: Callable[[], float] = time.monotonic
 ) -> Iterator[Watch]:
     """Within this context, `tell` hears of every call that takes long.
 

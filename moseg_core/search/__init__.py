@@ -1,4 +1,4 @@
-"""The method: from a shape and a problem to a result (Sec. 4 to 8).
+"""The method: from a shape and a problem to a result (Sec. 4 to 9).
 
 :mod:`~moseg_core.search.segment` is the whole in one call. It makes one
 :mod:`~moseg_core.search.evaluator` for each resolution and hands them to
@@ -6,4 +6,10 @@
 (:mod:`~moseg_core.search.beginning`: seeds and labels), goes on with the best
 (:mod:`~moseg_core.search.run`: ask and tell) and polishes what they found on the input's own
 elements. :mod:`~moseg_core.search.levels` does the same part by part.
+
+Around these: the assignment of labels (:mod:`~moseg_core.search.assignment`), strangers'
+parameterizations held to what they promise (:mod:`~moseg_core.search.checked_partition`), processes
+(:mod:`~moseg_core.search.workers`) and what is left of them where one fails
+(:mod:`~moseg_core.search.best_so_far`), the result (:mod:`~moseg_core.search.result`), and the same
+with smooth boundaries (:mod:`~moseg_core.search.clipped_result`).
 """

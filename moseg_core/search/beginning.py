@@ -69,7 +69,7 @@ def begin(
         vector = partition.encode(Centers(positions=seeding.centers, weights=np.ones(n)))
         if not seeding.labelled:
             vector = partition.permute(vector, _label(ready["labeler"], evaluator, vector))
-            # Labels with pins were assigned by these, and stay.
+            # Labels that have pins were assigned by their pins, and keep their centres.
             pinned = set(evaluator.pins.labels.tolist())
             free = [[k for k in group if k not in pinned] for group in evaluator.problem.alike]
             order = evaluator.constraints.nearest_order(vector, free)

@@ -5,7 +5,8 @@ found so far need not be lost with it. So every task of a run returns, beside it
 error, the best that the evaluators of its process have seen (:attr:`ProblemEvaluator.best`); of
 these the least is kept. Which that is depends on how far each process had come.
 
-They stand between :mod:`moseg_core.search.restarts` and :mod:`moseg_core.search.workers`.
+Tracked workers stand between :mod:`moseg_core.search.restarts` and
+:mod:`moseg_core.search.workers`.
 """
 
 from __future__ import annotations

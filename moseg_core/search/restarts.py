@@ -191,7 +191,7 @@ def carry_out(plan: Plan, workers: int, listener: Listener) -> tuple[list[RunOut
     -------
     outcomes : list of RunOutcome
         Of every start, on the shape that was searched; "paused" where it was not a finalist.
-        None where the run failed.
+        Empty where the run failed.
     best : RunOutcome
         On input elements. It carries the error, where one ended the run.
 

@@ -1,10 +1,10 @@
-"""One run of the search: where it starts, and the loop of asking and telling (Sec. 5 to 7).
+"""One run of the search: an optimizer, asked and told until it ends (Sec. 7).
 
 A run can be paused and go on later: of several starts (:mod:`moseg_core.search.restarts`) those
 that look poor after a while are not finished. The optimizer may see fewer coordinates than the
 parameterization has: what constraints determine (:mod:`moseg_core.problem.constraints`) is left
-out, and those of frozen labels stay as they are at the start. Everything else about a run, how it
-is seeded and labelled, is decided by the components that it is given.
+out, and those of frozen labels stay as they are at the start. Where a run begins is the business
+of :mod:`moseg_core.search.beginning`.
 """
 
 from __future__ import annotations

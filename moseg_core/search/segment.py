@@ -1,4 +1,4 @@
-"""The whole method in one call: seed, label, optimise (Sec. 4 to 7).
+"""The whole method in one call: seed, label, optimise (Sec. 4 to 9).
 
 How often, and on how fine a version of the shape, is the business of
 :mod:`moseg_core.search.restarts`. Everything that can be wrong with the request is checked before

@@ -51,7 +51,7 @@ class Spec:
 
     Examples
     --------
-    >>> ObjectiveSpec(name="narrow", target="moseg_objectives_basic.unary:narrow").kind
+    >>> ObjectiveSpec(name="narrow", target="moseg_objectives_basic.proportions:narrow").kind
     'objective'
     """
 

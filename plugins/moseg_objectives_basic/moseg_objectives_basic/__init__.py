@@ -1,1 +1,11 @@
-"""moseg's basic objectives: what the paper defines in Section 10 or names in Section 3."""
+"""moseg's basic objectives: what the paper defines in Section 10 or names in Section 3.
+
+One part: :mod:`~moseg_objectives_basic.proportions` (narrow, flat, compact),
+:mod:`~moseg_objectives_basic.symmetry` (planar, axial, rotational),
+:mod:`~moseg_objectives_basic.ellipsoid`, :mod:`~moseg_objectives_basic.convexity` (convex, and
+convex_parts of them all), :mod:`~moseg_objectives_basic.area`. Several:
+:mod:`~moseg_objectives_basic.axes` (perpendicular, parallel, coaxial) and
+:mod:`~moseg_objectives_basic.similarity`. Symmetry and ellipsoids are surface distances,
+:mod:`~moseg_objectives_basic.surface_distance`, on large meshes to the coarser target of
+:mod:`~moseg_objectives_basic.thinned`.
+"""
