@@ -2,6 +2,9 @@
 
 Objectives take arbitrary values that depend on nothing but which elements their parts have, few
 different ones, so that costs tie. Labellings are listed, and a vector is the number of one.
+
+For tests of how a search goes on the same strip there are Voronoi partitions, and components that a
+test writes down, as if a stranger had brought them.
 """
 
 from __future__ import annotations
@@ -11,13 +14,24 @@ import math
 import numpy as np
 from hypothesis import strategies as st
 
+from moseg_core.builtin.voronoi import Voronoi
+from moseg_core.components.chosen import PreparedComponent
+from moseg_core.components.discovery.registry import Component
+from moseg_core.components.discovery.specs import (
+    LabelerSpec,
+    OptimizerSpec,
+    ParameterizationSpec,
+    SeederSpec,
+)
 from moseg_core.components.memo import Memo
 from moseg_core.components.objectives import FunctionObjective, Traits, objective
 from moseg_core.components.part import Part
+from moseg_core.components.protocols import Centers, Seeding
 from moseg_core.components.segmentation import Segmentation
 from moseg_core.problem.aggregate import evaluate_segmentation
 from moseg_core.problem.problem import Problem
 from moseg_core.search.evaluator import ProblemEvaluator
+from moseg_core.shape.pins import read_pins
 from moseg_core.shape.shape import Shape
 from tests import shapes
 from tests.references import Listed
@@ -125,3 +139,63 @@ def counted(low, high, value, cost="expensive"):
         return value(part)
 
     return FunctionObjective(slow, Traits(arity="unary", range=(low, high), cost=cost)), calls
+
+
+def on_strip(text="area(a)", names=("a", "b"), *, pins=None, partition=Voronoi, **more):
+    """A problem's evaluator for partitions of the strip; square `k` has its middle at k + 0.5."""
+    problem = Problem(list(names), text, objectives={"area": area}, **more)
+    return ProblemEvaluator(
+        STRIP,
+        problem,
+        partition(STRIP, len(names)),
+        pins=read_pins(pins or {}, problem.labels, STRIP.n_elements),
+    )
+
+
+def centers_at(*squares, weights=None):
+    """Centres in the middles of squares of the strip."""
+    weights = np.ones(len(squares)) if weights is None else np.array(weights)
+    return Centers(positions=STRIP.points[list(squares)], weights=weights)
+
+
+def stranger(kind, made, **parameters):
+    """A component of another bundle, found and prepared; `made` is the class behind it."""
+    specs = {
+        "parameterization": ParameterizationSpec,
+        "seeder": SeederSpec,
+        "labeler": LabelerSpec,
+        "optimizer": OptimizerSpec,
+    }
+    spec = specs[kind](name="made", target="strange_module:Made")
+    component = Component("strange", "moseg-strange 2.0", spec)
+    return PreparedComponent(component=component, factory=made, parameters=parameters)
+
+
+def seeder(answer):
+    """A seeder that returns what it is made of, or what that makes of evaluator and rng."""
+
+    class Made:
+        def __call__(self, evaluator, *, rng, report):
+            return answer(evaluator, rng) if callable(answer) else answer
+
+    return stranger("seeder", Made)
+
+
+def seeding_at(*squares, **more):
+    """A seeder's answer: centres in the middles of squares of the strip."""
+    return Seeding(centers=STRIP.points[list(squares)], **more)
+
+
+def labeler(answer):
+    """A labeler that returns what it is made of, or what that makes of evaluator and vector."""
+
+    class Made:
+        def __call__(self, evaluator, vector):
+            return answer(evaluator, vector) if callable(answer) else answer
+
+    return stranger("labeler", Made)
+
+
+def fail(*given):
+    """What a stranger's component does on a bad day."""
+    raise ValueError("no idea")

@@ -28,10 +28,6 @@ ELSEWHERE = {
     "moseg_core/__main__.py": "three lines: every test that runs `python -m moseg_core`",
     "moseg_core/cli/plugin_app.py": "declares commands, each with a file: test_plugin_new.py, ...",
     "moseg_core/components/protocols.py": "declarations, to which the kit holds every component",
-    "moseg_core/search/beginning.py": "a step of `segment`: test_steering.py",
-    "moseg_core/search/clipped_result.py": "tests/cli/test_clip.py",
-    "moseg_core/search/restarts.py": "a step of `segment`: test_segment_coarse.py",
-    "moseg_core/search/run.py": "a step of `segment`: test_segment.py",
     "moseg_core/view/scene.py": "plain records, drawn by test_svg.py and test_png.py",
 }
 

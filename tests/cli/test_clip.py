@@ -3,26 +3,15 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from moseg_core import Problem, Shape, clip, load, sample_path, save, segment
-from moseg_core.errors import ShapeError
-from moseg_core.io.read.ply import read_ply, read_ply_labels
-from tests.clipping.checks import assert_valid, is_closed, polygon_areas
+from moseg_core import load
+from moseg_core.io.read.ply import read_ply_labels
+from tests.clipping.checks import is_closed, polygon_areas
 
 QUICK = ("--seeder", "kmeans", "--optimizer", "pattern_search(max_evaluations=30)")
-
-
-@pytest.fixture(scope="module")
-def found():
-    """A sample hammer cut in two, quickly."""
-    problem = Problem(["handle", "head"], "3*narrow(handle) + perpendicular(handle, head)")
-    return segment(
-        load(sample_path("hammer")), problem, optimizer="pattern_search(max_evaluations=40)"
-    )
 
 
 def test_surfaces_are_clipped_and_labels_are_not(moseg, mallet, tmp_path):
@@ -57,40 +46,3 @@ def test_surfaces_are_clipped_and_labels_are_not(moseg, mallet, tmp_path):
     labels = np.array(json.loads(smooth[0].read_text())["labels"])
     pieces = np.bincount(rows["source"], minlength=shape.n_elements)
     assert (rows["label"] == labels[rows["source"]])[pieces[rows["source"]] == 1].mean() > 0.99
-
-
-def test_a_clipped_result_is_the_same_result(found, tmp_path):
-    smooth = clip(found)
-    assert found.clipped is None
-    assert found.surface == (found.shape.geometry, found.labels)
-    assert smooth.labels is found.labels
-    assert smooth.cost == found.cost
-    mesh, labels = smooth.surface
-    assert mesh is smooth.clipped.mesh
-    assert labels is smooth.clipped.labels
-    assert_valid(found.shape.geometry, found.labels, smooth.clipped)
-    save(smooth, tmp_path / "smooth.ply")
-    geometry = read_ply(tmp_path / "smooth.ply").geometry
-    assert (geometry.vertices == mesh.vertices).all()
-    assert (geometry.corners == mesh.corners).all()
-
-
-def test_in_another_space_that_space_is_asked(found, monkeypatch):
-    twice = found.shape.deformed(2 * found.shape.geometry.vertices, space="twice")
-    centers = replace(found.centers, positions=2 * found.centers.positions)
-    there = clip(replace(found, centers=centers), space=twice)
-    here = clip(found)
-    monkeypatch.setattr(type(found), "partitioned", property(lambda result: twice))
-    embedded = clip(replace(found, centers=centers))
-    assert len(here.clipped.labels) > found.shape.n_elements
-    for other in (there, embedded):
-        assert (other.clipped.labels == here.clipped.labels).all()
-        np.testing.assert_allclose(
-            other.clipped.mesh.vertices, here.clipped.mesh.vertices, atol=1e-9
-        )
-
-
-def test_a_space_of_other_faces_is_refused(found):
-    square = Shape.from_mesh([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2, 3]])
-    with pytest.raises(ShapeError, match="for each of 8410 polygons"):
-        clip(found, space=square)

@@ -14,7 +14,7 @@ from moseg_core.components.discovery.registry import Bundle, Component, Registry
 from moseg_core.components.discovery.specs import LabelerSpec, OptimizerSpec, SeederSpec
 from moseg_core.components.objectives import objective
 from moseg_core.components.part import Part
-from moseg_core.components.protocols import Batch, Seeding
+from moseg_core.components.protocols import Seeding
 from moseg_core.errors import PluginError, UsageError
 from moseg_core.problem.problem import Problem
 from moseg_core.search.segment import segment
@@ -100,10 +100,6 @@ def labeler(order):
     return Made
 
 
-def fail(evaluator):
-    raise ValueError("no idea")
-
-
 def at(*numbers):
     return lambda evaluator: Seeding(centers=evaluator.shape.points[list(numbers)])
 
@@ -139,99 +135,6 @@ def test_empty_parts_are_warned_of_and_left_out(foreign):
     # The search moves away from it all by itself.
     later = foreign.run("area(stem, bar)", seeder="seed")
     assert later.evaluation.cost.empty == 0
-
-
-@pytest.mark.parametrize(
-    "garbage",
-    [
-        None,
-        "centres",
-        fail,
-        Seeding(centers=np.zeros((3, 3))),
-        Seeding(centers=np.zeros((2, 2))),
-        Seeding(centers=np.full((2, 3), np.nan)),
-        Seeding(centers=np.array([[0.0, 0, 0], [0, 0, np.inf]])),
-        Seeding(centers=None),
-        Seeding(centers=[["a", "b", "c"]] * 2),
-        Seeding(centers=np.full((2, 3), None)),
-        Seeding(centers=[[0.0, 0.0, 0.0], [0.0]]),
-        types.SimpleNamespace(centers=np.eye(3)[:2]),
-    ],
-    ids=[
-        *["None", "text", "raises", "3 centres", "2 coordinates", "nan", "inf", "no centres"],
-        *["words", "objects", "ragged", "no Seeding"],
-    ],
-)
-def test_a_seeder_that_returns_garbage_is_named(foreign, garbage):
-    foreign.module.seed = seeder(garbage)
-    with pytest.raises(PluginError, match=r"seeder 'foreign:seed' of moseg-foreign 2\.0"):
-        foreign.run(seeder="seed")
-
-
-@pytest.mark.parametrize(
-    "garbage",
-    [
-        None,
-        fail,
-        "ab",
-        1,
-        [0, 0],
-        [0, 2],
-        [-1, 0],
-        [0],
-        [0, 1, 2],
-        [[0], [1]],
-        [0.0, 1.0],
-        [False, True],
-        ["a", 0],
-        [[0, 1], [1]],
-        [None, 0],
-    ],
-    ids=lambda garbage: "raises" if garbage is fail else str(garbage),
-)
-def test_a_labeler_that_returns_garbage_is_named(foreign, garbage):
-    foreign.module.label = labeler(garbage)
-    with pytest.raises(PluginError, match=r"labeler 'foreign:label' of moseg-foreign 2\.0"):
-        foreign.run(labeler="label")
-
-
-class Broken(PatternSearch):
-    """A search that breaks its word in the way that the test says, after the start."""
-
-    how = ""
-
-    def ask(self):
-        batch = super().ask()
-        if not self.history:
-            return batch
-        return {
-            "raises": lambda: fail(None),
-            "nothing": lambda: None,
-            "narrow": lambda: Batch(vectors=batch.vectors[:, :5]),
-            "flat": lambda: Batch(vectors=batch.vectors[0]),
-            "nan": lambda: Batch(vectors=batch.vectors * np.nan),
-            "none": lambda: Batch(vectors=batch.vectors[:0]),
-            "no batch": lambda: types.SimpleNamespace(vectors=batch.vectors),
-        }[self.how]()
-
-
-@pytest.mark.parametrize("how", ["raises", "nothing", "narrow", "flat", "nan", "none", "no batch"])
-def test_an_optimizer_that_breaks_its_word_is_named(foreign, how):
-    foreign.module.walk = type("Walk", (Broken,), {"how": how})
-    with pytest.raises(PluginError, match=r"optimizer 'foreign:walk' of moseg-foreign 2\.0"):
-        foreign.run(optimizer="walk")
-
-
-@pytest.mark.parametrize("what", ["best", "history", "progress", "finished"])
-def test_an_optimizer_that_cannot_say_what_it_found_is_named(foreign, what):
-    def unknown(self):
-        if self._evaluations:
-            raise ValueError("no idea")
-        return ""
-
-    foreign.module.walk = type("Walk", (PatternSearch,), {what: property(unknown)})
-    with pytest.raises(PluginError, match=r"optimizer 'foreign:walk' of moseg-foreign 2\.0"):
-        foreign.run(optimizer="walk(max_evaluations=3)")
 
 
 @pytest.mark.parametrize("kind", ["seeder", "labeler", "optimizer"])

@@ -7,7 +7,6 @@ import math
 import numpy as np
 import pytest
 
-from moseg_core.builtin.voronoi import Voronoi
 from moseg_core.components.chosen import Choice
 from moseg_core.components.cost import Cost
 from moseg_core.components.objectives import objective
@@ -18,7 +17,6 @@ from moseg_core.errors import UsageError
 from moseg_core.problem.problem import Problem
 from moseg_core.problem.settings import SearchOptions
 from moseg_core.search.segment import segment
-from moseg_core.shape.coarse import coarsen
 from moseg_core.shape.shape import Shape
 from tests import shapes
 
@@ -196,27 +194,6 @@ def test_centres_given_by_hand_may_make_parts_smaller_than_a_super_element():
     assert found.evaluation.empty == ()
 
 
-def test_a_coarse_result_that_loses_a_part_comes_last(monkeypatch):
-    from moseg_core.search import restarts
-    from moseg_core.search.run import RunOutcome
-
-    shape = coarsen(SHAPE, 200)
-    partition = Voronoi(shape, 2)
-    good = Centers(positions=SHAPE.points[[100, 1200]], weights=np.ones(2))
-    lost = Centers(positions=SHAPE.points[[100, 100]], weights=np.ones(2))
-    outcomes = [
-        RunOutcome(
-            vector=partition.encode(centers), cost=Cost(0, cost), reason="converged", history={}
-        )
-        for centers, cost in ((lost, 0.0), (good, 5.0))
-    ]
-    monkeypatch.setattr(restarts, "all_starts", lambda plan, pool: outcomes)
-    monkeypatch.setattr(restarts, "_POLISHED", 0)
-    found = run(restarts=2)
-    assert found.evaluation.empty == ()
-    np.testing.assert_allclose(found.centers.positions, good.positions, rtol=1e-12)
-
-
 @pytest.mark.parametrize(
     ("options", "message"),
     [
@@ -293,13 +270,3 @@ def test_the_better_half_goes_on():
         else:
             assert cut["value"] >= whole["value"]
     assert every.evaluation.cost <= race.evaluation.cost
-
-
-def test_all_go_on_under_a_limit_on_evaluations():
-    found = run(
-        seeder="evolution(population=2, iterations=1)",
-        optimizer="pattern_search(max_evaluations=80)",
-        restarts=4,
-        finalists=1,
-    )
-    assert all(record["finalist"] for record in found.history["restarts"])
