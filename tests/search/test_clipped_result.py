@@ -168,7 +168,9 @@ def cut(clipped):
 
 
 def test_one_that_knows_distances_is_clipped_where_they_are_equal(by):
-    centers = Centers(positions=np.array([[0.5, 0.5, 0], [4.9, 0.5, 0]]), weights=np.ones(2))
+    centers = Centers(
+        positions=np.array([[0.5, 0.5, 0], [4.9, 0.5, 0]]), weights=np.array([1, 3.0])
+    )
     fresh = cut(clip(replace(by("blocks"), centers=centers)).clipped)
     assert len(fresh) >= 2
     np.testing.assert_allclose(fresh, 2.7, atol=1e-6)
