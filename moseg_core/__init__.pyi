@@ -67,6 +67,7 @@ from moseg_core.problem.hierarchy import Hierarchy as Hierarchy
 from moseg_core.problem.problem import Problem as Problem
 from moseg_core.problem.recipe import Recipe as Recipe
 from moseg_core.problem.recipe import load_recipe as load_recipe
+from moseg_core.problem.settings import Method as Method
 from moseg_core.problem.settings import SearchOptions as SearchOptions
 from moseg_core.problem.statement import Statement as Statement
 from moseg_core.samples import sample_labels_path as sample_labels_path

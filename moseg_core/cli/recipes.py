@@ -11,7 +11,7 @@ from rich.text import Text
 from moseg_core.cli.console import console, print_json
 from moseg_core.components.discovery.registry import Component, registry
 from moseg_core.errors import MosegError, PluginError
-from moseg_core.problem.recipe import Recipe, parse_recipe
+from moseg_core.problem.recipe import Recipe, load_recipe, parse_recipe
 
 
 def run_recipes(name: str | None, *, as_json: bool) -> None:
@@ -23,7 +23,7 @@ def run_recipes(name: str | None, *, as_json: bool) -> None:
             read = parse_recipe(text, component.spec.name)
             print_json({**_document(component, read, None), "toml": text})
         else:
-            sys.stdout.write(text)
+            sys.stdout.write(_for_a_file(component, text))
         return
     found = [(component, *_read(component)) for component in registry().components("recipe")]
     if as_json:
@@ -48,6 +48,15 @@ def _text(component: Component) -> str:
     if not isinstance(text, str):
         raise PluginError(f"{component.who} is a {type(text).__name__}, not a text")
     return text
+
+
+def _for_a_file(component: Component, text: str) -> str:
+    """The text as it was shipped, with ids for names that are ambiguous outside of its bundle."""
+    try:
+        shipped, meant = parse_recipe(text, component.spec.name), load_recipe(component.id)
+    except MosegError:  # what is no recipe can still be looked at
+        return text
+    return text if shipped.statement == meant.statement else meant.toml()
 
 
 def _read(component: Component) -> tuple[Recipe | None, str | None]:

@@ -67,11 +67,6 @@ def read_statement(flags: ProblemFlags, *, start: SavedResult | None = None) -> 
     UsageError
         As for :func:`read_task`, names apart, which are not looked up here.
     """
-    base = None
-    if flags.recipe is not None:
-        base = load_recipe(flags.recipe).statement
-    elif start is not None:
-        base = statement_in_full(start.statement, meant_by_result(start.versions, registry()))
     changes: dict[str, Any] = {}
     if flags.labels is not None:
         changes["labels"] = tuple(name.strip() for name in flags.labels.split(","))
@@ -89,8 +84,11 @@ def read_statement(flags: ProblemFlags, *, start: SavedResult | None = None) -> 
             changes["constraints"] = () if none else tuple(flags.constraint)
         if flags.plane is not None:
             changes["plane"] = flags.plane
-    if base is not None:
-        return replace(base, **changes)
+    if flags.recipe is not None:
+        return replace(load_recipe(flags.recipe).statement, **changes)
+    if start is not None:
+        meaning = meant_by_result(start.versions, registry())
+        return replace(statement_in_full(start.statement, meaning, leave=changes), **changes)
     if flags.labels is None or flags.minimize is None:
         raise UsageError(
             "say what to look for: --recipe NAME, or --labels a,b and --minimize '...'"

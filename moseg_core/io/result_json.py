@@ -18,7 +18,7 @@ from moseg_core.problem.aggregate import CallValue, Evaluation, TermValue
 from moseg_core.problem.hierarchy import Hierarchy
 from moseg_core.problem.problem import Problem
 from moseg_core.problem.settings import RECIPE_OPTIONS, SearchOptions
-from moseg_core.problem.statement import Statement, joined
+from moseg_core.problem.statement import KEYS, Statement, joined
 from moseg_core.search.result import Result
 from moseg_core.types import IntArray
 
@@ -214,7 +214,8 @@ def _read_statement(problem: Mapping[str, Any]) -> Statement:
     tables = {level["path"]: level for level in problem.get("levels", [{**problem, "path": ""}])}
 
     def read(path: str) -> Statement:
-        table = {key: value for key, value in tables[path].items() if key != "path"}
+        # What a later version adds is passed over: the format's number says what can be read.
+        table = {key: value for key, value in tables[path].items() if key in KEYS}
         below = {label: joined(path, label) for label in table["labels"]}
         parts = tuple((label, read(inner)) for label, inner in below.items() if inner in tables)
         return replace(Statement.read(table), parts=parts)

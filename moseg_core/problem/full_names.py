@@ -39,18 +39,41 @@ def meant_by_result(used: Collection[str], source: Registry) -> Meaning:
     used : collection of str
         Ids of all components that it was made with.
     source : Registry
+
+    Raises
+    ------
+    UsageError
+        When asked about a name that another component has now.
     """
 
     def meaning(kind: Kind, name: str) -> str:
         ids = [c.id for c in source.components(kind) if c.spec.name == name]
         known = [identifier for identifier in ids if identifier in used]
-        return known[0] if len(ids) > 1 and len(known) == 1 else name
+        if known or not ids:
+            return known[0] if len(ids) > 1 and len(known) == 1 else name
+        others = [identifier for identifier in used if identifier.rpartition(":")[2] == name]
+        if others:
+            raise UsageError(
+                f"{kind} '{name}' was '{others[0]}' when the result was made, and here it would be"
+                f" '{ids[0]}'; install the bundle that it was made with, or say what you mean"
+            )
+        return name
 
     return meaning
 
 
-def statement_in_full(statement: Statement, meaning: Meaning) -> Statement:
+def statement_in_full(
+    statement: Statement, meaning: Meaning, *, leave: Collection[str] = ()
+) -> Statement:
     """A statement with ids for all names that are ambiguous; also those of its parts.
+
+    Parameters
+    ----------
+    statement : Statement
+    meaning : callable
+    leave : collection of str
+        Fields to leave as they are, since they will be replaced: "minimize", "constraints",
+        "embedding".
 
     Raises
     ------
@@ -65,11 +88,16 @@ def statement_in_full(statement: Statement, meaning: Meaning) -> Statement:
         for kind in SEARCH_KINDS
         if (choice := getattr(statement.search, kind)) is not None
     }
+    full: dict[str, Any] = {}
+    if "minimize" not in leave:
+        full["minimize"] = expression_in_full(statement.minimize, meaning)
+    if "constraints" not in leave:
+        full["constraints"] = tuple(constraint_in_full(t, meaning) for t in statement.constraints)
+    if "embedding" not in leave and embedding is not None:
+        full["embedding"] = choice_in_full(embedding, "embedding", meaning)
     return replace(
         statement,
-        minimize=expression_in_full(statement.minimize, meaning),
-        constraints=tuple(constraint_in_full(text, meaning) for text in statement.constraints),
-        embedding=embedding and choice_in_full(embedding, "embedding", meaning),
+        **full,
         search=replace(statement.search, **chosen),
         parts=tuple((label, statement_in_full(part, meaning)) for label, part in statement.parts),
     )

@@ -28,7 +28,7 @@ from moseg_core.components.discovery.registry import Registry
 from moseg_core.errors import UsageError, unknown
 from moseg_core.problem.aggregate import CallValue, Evaluation, TermValue
 from moseg_core.problem.problem import Problem
-from moseg_core.problem.settings import SEARCH_KINDS, SearchOptions
+from moseg_core.problem.settings import SEARCH_KINDS, Method, SearchOptions, check_method
 from moseg_core.problem.statement import SEPARATOR, Statement, joined
 from moseg_core.shape.labels import checked_labels
 from moseg_core.shape.shape import Shape
@@ -49,7 +49,7 @@ class Hierarchy:
     parts : mapping of str to Problem or Hierarchy
         For parts of it, by label or glob: ``{"leg*": Problem(["upper", "lower"], ...)}``. A label
         goes before a glob, an earlier glob before a later one. The others stay whole.
-    search : SearchOptions
+    search : Method
         How the problem for the whole is solved; that of a part has its own.
 
     Raises
@@ -67,11 +67,12 @@ class Hierarchy:
 
     problem: Problem
     parts: Mapping[str, Problem | Hierarchy] = field(default_factory=dict)
-    search: SearchOptions = field(default_factory=SearchOptions)
+    search: Method = field(default_factory=Method)
 
     def __post_init__(self) -> None:
         if not isinstance(self.problem, Problem):
             raise UsageError(f"a hierarchy is made of problems, not of {self.problem!r:.60}")
+        check_method(self.search, "a hierarchy's search")
         found = expand_parts(self.parts.items(), self.problem.labels)
         for label, part in found.items():
             if not isinstance(part, Problem | Hierarchy):

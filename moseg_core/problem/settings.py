@@ -1,12 +1,12 @@
 """One set of search options: which components, how finely, how often, how long (Sec. 5 to 7).
 
-What a recipe says of its search and what a caller asks for are the same thing, a
-:class:`SearchOptions`, some of it left open. :meth:`SearchOptions.settled` puts the two together,
-once, and fills in the rest by the *settings*: ``paper`` is the method as published, ``default``
-what measurements on horses and hammers recommend (``benchmarks/stages.py``). Parameters for
-``default`` a component names itself (``presets`` in :mod:`moseg_core.components.protocols`). All
-that comes after (:mod:`moseg_core.search`) reads the settled options and decides nothing of this
-again.
+A recipe may say how its problem is solved, a :class:`Method`, with some of it left open. A caller's
+:class:`SearchOptions` say the same, and what belongs to one run besides.
+:meth:`SearchOptions.settled` puts the two together, once, and fills in the rest by the *settings*:
+``paper`` is the method as published, ``default`` what measurements on horses and hammers recommend
+(``benchmarks/stages.py``). Parameters for ``default`` a component names itself (``presets`` in
+:mod:`moseg_core.components.protocols`). All that comes after (:mod:`moseg_core.search`) reads the
+settled options and decides nothing of this again.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
-from numbers import Integral
-from typing import Any, TypedDict
+from numbers import Integral, Real
+from typing import Any, Self, TypedDict
 
 from moseg_core.components.chosen import Choice
 from moseg_core.components.discovery.specs import Kind
@@ -92,10 +92,10 @@ class SettledOptions:
 
 
 @dataclass(frozen=True, kw_only=True)
-class SearchOptions:
-    """How a problem is solved; None leaves a matter open.
+class Method:
+    """How a problem is solved, whoever solves it: what a recipe may say. None leaves a matter open.
 
-    Values are read and checked when the options are made: components become
+    Values are read and checked when the method is made: components become
     :class:`~moseg_core.components.chosen.Choice` objects, digits become numbers.
 
     Parameters
@@ -109,6 +109,78 @@ class SearchOptions:
         Number of starts.
     finalists : int, optional
         How many of the starts, the best after a while, go on to the end.
+
+    Raises
+    ------
+    UsageError
+        A value that makes no sense; says which is allowed.
+
+    Examples
+    --------
+    >>> method = Method(optimizer="pattern_search(expansion=2)", restarts="3")
+    >>> str(method.optimizer), method.restarts, method.seeder
+    ('pattern_search(expansion=2)', 3, None)
+    """
+
+    parameterization: ComponentChoice = None
+    seeder: ComponentChoice = None
+    labeler: ComponentChoice = None
+    optimizer: ComponentChoice = None
+    resolution: int | str | None = None
+    restarts: int | str | None = None
+    finalists: int | str | None = None
+
+    def __post_init__(self) -> None:
+        for kind in SEARCH_KINDS:
+            given = getattr(self, kind)
+            if given is not None:
+                object.__setattr__(self, kind, Choice.read(given, kind))
+        if self.resolution is not None:
+            object.__setattr__(self, "resolution", _resolution(self.resolution))
+        for name, counted in (("restarts", "start"), ("finalists", "finalist")):
+            if getattr(self, name) is not None:
+                object.__setattr__(self, name, _count(getattr(self, name), counted))
+
+    def over(self, other: Method) -> Self:
+        """The same where it says something, and another where it leaves a matter open.
+
+        Examples
+        --------
+        >>> found = Method(restarts=2).over(Method(restarts=9, seeder="evolution"))
+        >>> found.restarts, str(found.seeder)
+        (2, 'evolution')
+        """
+        still_open = [name for name in RECIPE_OPTIONS if getattr(self, name) is None]
+        return replace(self, **{name: getattr(other, name) for name in still_open})
+
+
+def check_method(method: object, whose: str) -> None:
+    """Refuse what is no method, or says what belongs to a run.
+
+    Parameters
+    ----------
+    method : object
+    whose : str
+        For the message: "a statement's search".
+
+    Raises
+    ------
+    UsageError
+        Something else; names the class to use.
+    """
+    if not isinstance(method, Method) or isinstance(method, SearchOptions):
+        raise UsageError(
+            f"{whose} must be a Method, such as recipe.statement.search, not {method!r:.60};"
+            f" settings, seed, seconds and workers belong to the run"
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class SearchOptions(Method):
+    """A method, and what belongs to one run of it.
+
+    Parameters
+    ----------
     settings : str
         What decides where the rest does not: ``default``, or ``paper`` for the paper's parameters,
         one start and full resolution.
@@ -123,73 +195,50 @@ class SearchOptions:
     ------
     UsageError
         A value that makes no sense; says which is allowed.
-
-    Examples
-    --------
-    >>> options = SearchOptions(optimizer="pattern_search(expansion=2)", restarts="3")
-    >>> str(options.optimizer), options.restarts, options.seeder
-    ('pattern_search(expansion=2)', 3, None)
     """
 
-    parameterization: ComponentChoice = None
-    seeder: ComponentChoice = None
-    labeler: ComponentChoice = None
-    optimizer: ComponentChoice = None
-    resolution: int | str | None = None
-    restarts: int | str | None = None
-    finalists: int | str | None = None
     settings: str = "default"
     seed: int = 0
     max_seconds: float | None = None
     workers: int = 1
 
     def __post_init__(self) -> None:
-        for kind in SEARCH_KINDS:
-            given = getattr(self, kind)
-            if given is not None:
-                object.__setattr__(self, kind, Choice.read(given, kind))
-        if self.resolution is not None:
-            object.__setattr__(self, "resolution", _resolution(self.resolution))
-        for name, counted in (("restarts", "start"), ("finalists", "finalist")):
-            if getattr(self, name) is not None:
-                object.__setattr__(self, name, _count(getattr(self, name), counted))
+        super().__post_init__()
         if self.settings not in SETTINGS:
-            raise UsageError(unknown("settings", self.settings, SETTINGS))
+            raise UsageError(unknown("settings", str(self.settings), SETTINGS))
         _check_seed(self.seed)
-        if self.max_seconds is not None and not 0 <= self.max_seconds < math.inf:
-            raise UsageError(
-                f"the limit on seconds must not be negative, and is {self.max_seconds}"
-            )
+        _check_seconds(self.max_seconds)
         if isinstance(self.workers, str):
             raise UsageError(f"the number of workers must be a whole number, not {self.workers!r}")
-        _count(self.workers, "worker")
+        object.__setattr__(self, "workers", _count(self.workers, "worker"))
 
-    def over(self, other: SearchOptions) -> SearchOptions:
-        """These options where they say something, and others where they leave a matter open.
+    @classmethod
+    def of(cls, values: Mapping[str, Any]) -> SearchOptions:
+        """The options of a function that takes them as keyword arguments.
 
-        Settings, seed and workers, which are never open, stay these options' own.
-
-        Examples
-        --------
-        >>> found = SearchOptions(restarts=2).over(SearchOptions(restarts=9, seeder="evolution"))
-        >>> found.restarts, str(found.seeder)
-        (2, 'evolution')
+        Raises
+        ------
+        UsageError
+            There is no such option; names the nearest.
         """
-        still_open = {f.name for f in fields(self) if getattr(self, f.name) is None}
-        return replace(self, **{name: getattr(other, name) for name in still_open})
+        known = [field.name for field in fields(cls)]
+        for name in values:
+            if name not in known:
+                raise UsageError(unknown("option", name, known))
+        return cls(**values)
 
-    def settled(self, recipe: SearchOptions | None = None) -> SettledOptions:
+    def settled(self, recipe: Method | None = None) -> SettledOptions:
         """The options with nothing left open but the limit on time.
 
         Parameters
         ----------
-        recipe : SearchOptions, optional
+        recipe : Method, optional
             What the recipe says, where these options do not. Under ``paper`` only its components
             count, without parameters: the paper's are their own defaults.
 
         Examples
         --------
-        >>> recipe = SearchOptions(seeder="evolution(population=9)")
+        >>> recipe = Method(seeder="evolution(population=9)")
         >>> found = SearchOptions(settings="paper").settled(recipe)
         >>> str(found.seeder), found.resolution, found.restarts
         ('evolution', 'full', 1)
@@ -201,14 +250,14 @@ class SearchOptions:
         >>> SearchOptions(optimizer="pattern_search(max_evaluations=20)").settled().restarts
         1
         """
-        said = SearchOptions() if recipe is None else recipe
+        said = Method() if recipe is None else recipe
         if self.settings == "paper":
             plain: Any = {
                 kind: Choice(choice.name)
                 for kind in SEARCH_KINDS
                 if (choice := getattr(said, kind)) is not None
             }
-            said = replace(SearchOptions(resolution="full", restarts=1, finalists=1), **plain)
+            said = Method(resolution="full", restarts=1, finalists=1, **plain)
         found = self.over(said).over(_DEFAULT_COMPONENTS)
         values: Any = {f.name: getattr(found, f.name) for f in fields(found)}
         limited = values["optimizer"].parameters.get("max_evaluations") is not None
@@ -229,23 +278,35 @@ def _resolution(given: object) -> int | str:
         return "full"
     if isinstance(given, str) and given.isdecimal():
         given = int(given)
-    if isinstance(given, bool) or not isinstance(given, int) or given < 1:
+    if isinstance(given, bool) or not isinstance(given, Integral) or given < 1:
         raise UsageError(
             f"the resolution must be 'full' or a number of super-elements, such as 2000, not"
             f" {given!r}"
         )
-    return given
+    return int(given)
 
 
 def _count(given: object, what: str) -> int:
     """A number of things of which there is one at least."""
     if isinstance(given, str) and given.isdecimal():
         given = int(given)
-    if isinstance(given, bool) or not isinstance(given, int):
+    if isinstance(given, bool) or not isinstance(given, Integral):
         raise UsageError(f"the number of {what}s must be a whole number, not {given!r}")
     if given < 1:
         raise UsageError(f"there must be at least one {what}, not {given}")
-    return given
+    return int(given)
+
+
+def _check_seconds(given: object) -> None:
+    if given is None:
+        return
+    if isinstance(given, bool) or not isinstance(given, Real):
+        raise UsageError(f"the limit on seconds must be a number, not {given!r}")
+    if not 0 <= float(given) < math.inf:
+        raise UsageError(
+            f"the limit on seconds must be finite and not negative, and is {given}; leave it out"
+            f" for none"
+        )
 
 
 def _check_seed(seed: object) -> None:
@@ -256,7 +317,7 @@ def _check_seed(seed: object) -> None:
 
 
 # Full ids, which no other bundle can make ambiguous.
-_DEFAULT_COMPONENTS = SearchOptions(
+_DEFAULT_COMPONENTS = Method(
     parameterization="core:voronoi",
     seeder="core:kmeans",
     labeler="core:hungarian",

@@ -22,7 +22,7 @@ from typing import Any
 
 from moseg_core.components.chosen import Choice
 from moseg_core.errors import UsageError, unknown
-from moseg_core.problem.settings import RECIPE_OPTIONS, SearchOptions
+from moseg_core.problem.settings import RECIPE_OPTIONS, Method, check_method
 
 SEPARATOR = "/"
 """Between the labels of a path; no label contains it."""
@@ -48,7 +48,7 @@ class Statement:
         Where the partition lives.
     space : str or None
         Where terms are evaluated that do not say.
-    search : SearchOptions
+    search : Method
         How it is to be solved, as far as that is said: components, resolution, restarts, finalists.
     parts : tuple of (str, Statement)
         For labels whose part is segmented in its turn.
@@ -68,17 +68,23 @@ class Statement:
     plane: str | None = None
     embedding: Choice | None = None
     space: str | None = None
-    search: SearchOptions = field(default_factory=SearchOptions)
+    search: Method = field(default_factory=Method)
     parts: tuple[tuple[str, Statement], ...] = ()
+
+    def __post_init__(self) -> None:
+        for name in ("labels", "constraints", "parts"):
+            object.__setattr__(self, name, tuple(getattr(self, name)))
+        check_method(self.search, "a statement's search")
 
     @classmethod
     def read(cls, table: Mapping[str, Any]) -> Statement:
-        """A statement of one level from plain data, as TOML and JSON hold it.
+        """A statement from plain data, as TOML and JSON hold it; inverse of :meth:`document`.
 
         Parameters
         ----------
         table : mapping
-            ``labels`` and ``minimize``; others of :data:`KEYS` where they say something.
+            ``labels`` and ``minimize``; others of :data:`KEYS` where they say something; ``parts``
+            by label.
 
         Raises
         ------
@@ -86,8 +92,8 @@ class Statement:
             An unknown or missing key, or a value of the wrong kind.
         """
         for key in table:
-            if key not in KEYS:
-                raise UsageError(unknown("key", key, KEYS))
+            if key not in (*KEYS, "parts"):
+                raise UsageError(unknown("key", key, (*KEYS, "parts")))
         constraints = _texts(table, "constraints") if "constraints" in table else ()
         embedding = table.get("embedding")
         return cls(
@@ -97,7 +103,8 @@ class Statement:
             plane=_text(table, "plane") if "plane" in table else None,
             embedding=None if embedding is None else Choice.read(embedding, "embedding"),
             space=_text(table, "space") if "space" in table else None,
-            search=SearchOptions(**{key: table[key] for key in RECIPE_OPTIONS if key in table}),
+            search=Method(**{key: table[key] for key in RECIPE_OPTIONS if key in table}),
+            parts=tuple((label, cls.read(part)) for label, part in table.get("parts", {}).items()),
         )
 
     def document(self) -> dict[str, Any]:
@@ -107,12 +114,12 @@ class Statement:
             "minimize": self.minimize,
             "constraints": list(self.constraints),
             "plane": self.plane,
-            "embedding": None if self.embedding is None else str(self.embedding),
+            "embedding": None if self.embedding is None else _written(self.embedding),
             "space": self.space,
         }
         for key in RECIPE_OPTIONS:
             value = getattr(self.search, key)
-            said[key] = str(value) if isinstance(value, Choice) else value
+            said[key] = _written(value) if isinstance(value, Choice) else value
         said["parts"] = {label: part.document() for label, part in self.parts}
         return {key: value for key, value in said.items() if value or key in ("labels", "minimize")}
 
@@ -141,6 +148,11 @@ def joined(path: str, label: str) -> str:
     ('head', 'head/ear1')
     """
     return f"{path}{SEPARATOR}{label}" if path else label
+
+
+def _written(choice: Choice) -> str:
+    """A component as text, the same for equal ones: parameters in the order of their names."""
+    return str(Choice(choice.name, dict(sorted(choice.parameters.items()))))
 
 
 def _text(table: Mapping[str, Any], key: str) -> str:

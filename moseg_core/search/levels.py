@@ -92,7 +92,7 @@ def segment_hierarchy(
     return solve_hierarchy(
         shape,
         as_hierarchy(task),
-        SearchOptions(**options),
+        SearchOptions.of(options),
         start=start,
         freeze=freeze,
         pins=pins,
@@ -164,7 +164,7 @@ def refine(
         result.problem, {label: as_hierarchy(part) for label, part in parts.items()}
     )
     options.setdefault("seed", result.seed)
-    search = SearchOptions(**options)
+    search = SearchOptions.of(options)
     check_hierarchy(hierarchy, search)
     descent = _Descent.of(hierarchy, search, report)
     descent.left -= 1

@@ -23,8 +23,10 @@ from moseg_core.problem.problem import ORIGINAL, Problem
 from moseg_core.problem.settings import (
     SEARCH_KINDS,
     ComponentChoice,
+    Method,
     SearchOptions,
     SettledOptions,
+    check_method,
 )
 from moseg_core.search.checked_partition import make_partition
 from moseg_core.search.evaluator import ProblemEvaluator
@@ -62,7 +64,7 @@ def segment(
     seed: int = 0,
     max_seconds: float | None = None,
     workers: int = 1,
-    defaults: SearchOptions | None = None,
+    defaults: Method | None = None,
     report: Report | None = None,
 ) -> Result:
     """Find the labelled segmentation of a shape that satisfies a problem best.
@@ -99,9 +101,8 @@ def segment(
     workers : int
         Number of processes to share the starts among, where the system can fork them; it makes no
         difference to the result.
-    defaults : SearchOptions, optional
-        What to use where none of these options says anything, such as a recipe's: see
-        :meth:`moseg_core.SearchOptions.settled`.
+    defaults : Method, optional
+        What to use where none of these options says anything: ``recipe.statement.search``.
     report : callable, optional
         Receives a :class:`moseg_core.Progress` now and then; ends the run with the best found so
         far by returning True.
@@ -159,7 +160,7 @@ def solve(
     problem: Problem,
     options: SearchOptions,
     *,
-    defaults: SearchOptions | None = None,
+    defaults: Method | None = None,
     start: Centers | Result | None = None,
     freeze: Sequence[str] = (),
     pins: Mapping[str, npt.ArrayLike] | None = None,
@@ -176,6 +177,8 @@ def solve(
         raise UsageError("segment takes one Problem; give a Hierarchy to segment_hierarchy")
     if not isinstance(problem, Problem):
         raise UsageError(f"segment takes a Problem, not {problem!r:.60}")
+    if defaults is not None:
+        check_method(defaults, "defaults")
     settled = options.settled(defaults)
     ready = prepare_components(problem, settled)
     n = len(problem.labels)
@@ -291,6 +294,8 @@ def _start_centers(start: Centers | Result | None, problem: Problem) -> Centers 
         embedding = start.problem.embedding
         start = matched_centers(start.problem.labels, start.centers, problem, embedding=embedding)
     n = len(problem.labels)
+    if start is not None and not isinstance(start, Centers):
+        raise UsageError(f"the start must be Centers or a Result, not {start!r:.60}")
     if start is not None and (
         np.shape(start.positions) != (n, 3) or np.shape(start.weights) != (n,)
     ):

@@ -123,3 +123,18 @@ def test_a_result_in_an_embedding_goes_on_in_the_same(moseg, install_stranger, m
     assert done.code == 0, done.err
     problem = json.loads(again.read_text())["problem"]
     assert problem["embedding"] == "mds:mds(landmarks=20, refine=5)"
+
+
+@pytest.mark.parametrize("name", ["bulldog", "symmetry_then_convex"])
+def test_a_printed_recipe_means_the_same_in_a_file_of_ones_own(
+    moseg, install_stranger, tmp_path, name
+):
+    shipped = moseg("recipes", name).out
+    meant = load_recipe(name).hierarchy()
+    install_stranger()
+    printed = moseg("recipes", name).out
+    assert printed != shipped
+    (tmp_path / "mine.toml").write_text(printed)
+    found = load_recipe(str(tmp_path / "mine.toml")).hierarchy()
+    assert found.versions == meant.versions
+    assert found.labels == meant.labels

@@ -14,7 +14,9 @@ from moseg_core.problem.full_names import (
     expression_in_full,
     meant_by_bundle,
     meant_by_result,
+    statement_in_full,
 )
+from moseg_core.problem.statement import Statement
 
 
 def bundle(name, *specs):
@@ -82,3 +84,17 @@ def test_a_result_that_does_not_list_a_component_leaves_its_name_alone():
     assert expression_in_full("narrow(a)", meant_by_result({"ours:flat"}, CROWD)) == "narrow(a)"
     both = meant_by_result({"ours:narrow", "theirs:narrow"}, CROWD)
     assert expression_in_full("narrow(a)", both) == "narrow(a)"
+
+
+def test_a_name_that_another_component_has_by_now_is_not_taken_for_it():
+    meaning = meant_by_result({"python:narrow"}, CROWD)
+    with pytest.raises(ExpressionError, match="objective 'narrow' was 'python:narrow' when the"):
+        expression_in_full("narrow(a)", meaning)
+
+
+def test_what_will_be_replaced_is_not_looked_at():
+    stated = Statement(labels=("a",), minimize="?", constraints=("<lambda>",))
+    found = statement_in_full(
+        stated, meant_by_result(set(), CROWD), leave={"minimize", "constraints"}
+    )
+    assert found == stated

@@ -10,7 +10,7 @@ from moseg_core.components.discovery.specs import ObjectiveSpec
 from moseg_core.errors import ExpressionError, MosegError, PluginError, UsageError
 from moseg_core.problem.problem import Problem
 from moseg_core.problem.recipe import Recipe, load_recipe, parse_recipe
-from moseg_core.problem.settings import SearchOptions
+from moseg_core.problem.settings import Method, SearchOptions
 from moseg_core.problem.statement import Statement
 from moseg_core.search.segment import prepare_components
 
@@ -36,7 +36,7 @@ def test_a_recipe_in_full():
     assert recipe.name == "mine"
     assert recipe.labels == ("handle", "head")
     assert recipe.description == "A narrow handle with a head set across it."
-    assert recipe.statement.search == SearchOptions(
+    assert recipe.statement.search == Method(
         parameterization=Choice("voronoi", {"connected": False}),
         seeder=Choice("kmeans", {"rounds": 5.0}),
         labeler=Choice("core:hungarian"),
@@ -182,7 +182,7 @@ def test_every_installed_recipe_makes_a_problem_and_a_method(component):
     problem = Problem(recipe.labels, recipe.minimize)
     assert problem.unary_terms
     for kind in ("parameterization", "seeder", "labeler", "optimizer"):
-        prepare(getattr(recipe.statement.search.settled(), kind), kind, registry())
+        prepare(getattr(SearchOptions().settled(recipe.statement.search), kind), kind, registry())
 
 
 def test_a_mistake_in_the_expression_shows_with_the_problem():
@@ -200,7 +200,7 @@ def components_of(recipe: Recipe) -> list[str]:
             rule.id for rule in problem.bound_constraints
         ]
         found += [problem.embedding_component.component.id] if problem.embedding_component else []
-        ready = prepare_components(problem, SearchOptions().settled(level.search))
+        ready = prepare_components(problem, Method().settled(level.search))
         found += [prepared.component.id for prepared in ready.values()]
     return found
 

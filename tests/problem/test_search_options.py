@@ -8,11 +8,13 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
+from moseg_core import Hierarchy, Problem, load, load_recipe, sample_path, segment_hierarchy
 from moseg_core.cli.flags import SearchFlags, SteeringFlags
 from moseg_core.cli.request import read_search
 from moseg_core.components.chosen import Choice
 from moseg_core.errors import UsageError
-from moseg_core.problem.settings import OptionValues, SearchOptions, SettledOptions
+from moseg_core.problem.settings import Method, OptionValues, SearchOptions, SettledOptions
+from moseg_core.problem.statement import Statement
 from moseg_core.search.segment import segment
 
 NAMES = {field.name for field in fields(SearchOptions)}
@@ -34,6 +36,8 @@ def test_values_are_read_when_the_options_are_made():
     assert options.optimizer == Choice("x", {"k": 2})
     assert (options.restarts, options.resolution) == (3, 40)
     assert SearchOptions(seed=np.int64(3)).seed == 3
+    counts = SearchOptions(restarts=np.int64(3), resolution=np.int32(40), workers=np.int64(2))
+    assert (counts.restarts, counts.resolution, counts.workers) == (3, 40, 2)
 
 
 @pytest.mark.parametrize(
@@ -46,7 +50,9 @@ def test_values_are_read_when_the_options_are_made():
         ({"settings": "papr"}, "unknown settings 'papr'; did you mean 'paper'?"),
         ({"seed": -1}, "the seed must not be negative, and is -1"),
         ({"seed": 0.5}, "the seed must be a whole number, not 0.5"),
-        ({"max_seconds": float("nan")}, "the limit on seconds must not be negative, and is nan"),
+        ({"max_seconds": -1}, "the limit on seconds must be finite and not negative, and is -1"),
+        ({"max_seconds": float("nan")}, "the limit on seconds must be finite and not negative"),
+        ({"max_seconds": "1"}, "the limit on seconds must be a number, not '1'"),
         ({"workers": 0}, "there must be at least one worker, not 0"),
         ({"seeder": 3}, "seeder must be a name or a table with a name, not 3"),
     ],
@@ -59,7 +65,7 @@ def test_values_that_make_no_sense_are_refused(given, message):
 
 def test_the_request_goes_before_the_recipe_and_the_recipe_before_the_settings():
     request = SearchOptions(labeler="greedy", restarts=3)
-    recipe = SearchOptions(labeler="exhaustive", seeder="evolution(population=9)", resolution=50)
+    recipe = Method(labeler="exhaustive", seeder="evolution(population=9)", resolution=50)
     found = request.settled(recipe)
     assert str(found.labeler) == "greedy"
     assert str(found.seeder) == "evolution(population=9)"
@@ -69,9 +75,7 @@ def test_the_request_goes_before_the_recipe_and_the_recipe_before_the_settings()
 
 def test_under_paper_the_request_keeps_its_parameters_and_the_recipe_its_names():
     request = SearchOptions(settings="paper", optimizer="pattern_search(threshold=0.01)")
-    recipe = SearchOptions(
-        optimizer="other", seeder="evolution(population=9)", restarts=4, resolution=50
-    )
+    recipe = Method(optimizer="other", seeder="evolution(population=9)", restarts=4, resolution=50)
     found = request.settled(recipe)
     assert str(found.optimizer) == "pattern_search(threshold=0.01)"
     assert str(found.seeder) == "evolution"
@@ -90,7 +94,7 @@ def test_under_paper_the_request_keeps_its_parameters_and_the_recipe_its_names()
     ],
 )
 def test_one_start_where_evaluations_are_limited_and_nobody_says_more(request_, recipe, restarts):
-    assert SearchOptions(**request_).settled(SearchOptions(**recipe)).restarts == restarts
+    assert SearchOptions(**request_).settled(Method(**recipe)).restarts == restarts
 
 
 def test_centres_by_hand_are_a_seeder():
@@ -102,3 +106,25 @@ def test_centres_by_hand_are_a_seeder():
         match="--centers goes with a seeder that takes centres, 'core:given', not 'kmeans'",
     ):
         read_search(SearchFlags(seeder="kmeans"), steering)
+
+
+def test_what_belongs_to_a_run_is_refused_where_a_method_is_meant():
+    for wrong in (SearchOptions(seed=5), {"seeder": "kmeans"}, load_recipe("hammer")):
+        with pytest.raises(UsageError, match=r"must be a Method, .* belong to the run"):
+            Statement(labels=("a",), minimize="narrow(a)", search=wrong)
+        with pytest.raises(UsageError, match=r"a hierarchy's search must be a Method"):
+            Hierarchy(Problem(["a"], "narrow(a)"), search=wrong)
+        with pytest.raises(UsageError, match=r"defaults must be a Method"):
+            segment(load(sample_path("hammer")), Problem(["a"], "narrow(a)"), defaults=wrong)
+
+
+def test_options_that_there_are_not_are_named():
+    with pytest.raises(UsageError, match="unknown option 'optimiser'; did you mean 'optimizer'"):
+        segment_hierarchy(load(sample_path("hammer")), Problem(["a"], "narrow(a)"), optimiser="x")
+
+
+def test_a_start_that_is_none_is_named():
+    shape = load(sample_path("hammer"))
+    for wrong in ("x", [[0, 0, 0]]):
+        with pytest.raises(UsageError, match="the start must be Centers or a Result, not"):
+            segment(shape, Problem(["a"], "narrow(a)"), start=wrong)

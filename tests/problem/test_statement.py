@@ -9,14 +9,22 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from moseg_core import Hierarchy, Problem, load, sample_path, save, segment_hierarchy
+from moseg_core import (
+    Hierarchy,
+    Problem,
+    load,
+    sample_path,
+    save,
+    segment,
+    segment_hierarchy,
+)
 from moseg_core.cli.flags import SearchedProblemFlags
 from moseg_core.cli.request import read_statement
 from moseg_core.components.chosen import Choice
 from moseg_core.errors import UsageError
 from moseg_core.io import read_result
 from moseg_core.problem.recipe import Recipe, load_recipe, parse_recipe
-from moseg_core.problem.settings import SearchOptions
+from moseg_core.problem.settings import Method
 from moseg_core.problem.statement import Statement
 
 WORDS = st.text(st.characters(exclude_categories=["Cs"]), max_size=9)
@@ -24,7 +32,7 @@ NAMES = st.from_regex(r"[a-z][a-z0-9]{0,4}", fullmatch=True)
 VALUES = st.integers(-9, 9).map(float) | WORDS | st.booleans() | st.none()
 CHOICES = st.builds(Choice, NAMES, st.dictionaries(NAMES, VALUES, max_size=2))
 SEARCHES = st.builds(
-    SearchOptions,
+    Method,
     seeder=st.none() | CHOICES,
     optimizer=st.none() | CHOICES,
     restarts=st.none() | st.integers(1, 99),
@@ -52,7 +60,7 @@ TREES = statements(
 )
 
 
-@given(LEAVES)
+@given(TREES)
 def test_plain_data_reads_back_as_it_was(stated):
     document = json.loads(json.dumps(stated.document()))
     assert Statement.read(document) == stated
@@ -75,7 +83,7 @@ def test_the_command_line_and_the_recipe_say_the_same(name):
         embedding=None if stated.embedding is None else str(stated.embedding),
         space=stated.space,
     )
-    assert read_statement(flags) == replace(stated, search=SearchOptions())
+    assert read_statement(flags) == replace(stated, search=Method())
 
 
 def test_a_result_says_what_was_asked(tmp_path):
@@ -109,8 +117,8 @@ CHANGES = [
     {"plane": "y"},
     {"embedding": Choice("mds", {"refine": 3.0})},
     {"space": "mds"},
-    {"search": SearchOptions(seeder="evolution")},
-    {"search": SearchOptions(restarts=2)},
+    {"search": Method(seeder="evolution")},
+    {"search": Method(restarts=2)},
     {"parts": (("a", Statement(labels=("c",), minimize="narrow(c)")),)},
 ]
 
@@ -153,3 +161,25 @@ def test_what_is_no_statement(table, message):
     with pytest.raises(UsageError) as caught:
         Statement.read(table)
     assert message in str(caught.value)
+
+
+def test_the_order_of_parameters_says_nothing():
+    one, other = (
+        Statement(labels=["a"], minimize="narrow(a)", embedding=Choice("mds", parameters))
+        for parameters in ({"landmarks": 50, "refine": 3}, {"refine": 3, "landmarks": 50})
+    )
+    assert one == other
+    assert hash(one) == hash(other)
+    assert one.digest() == other.digest()
+
+
+def test_a_result_with_more_to_say_is_read(tmp_path):
+    result = segment(
+        load(sample_path("hammer")),
+        Problem(["handle", "head"], "narrow(handle)"),
+        optimizer="pattern_search(max_evaluations=5)",
+    )
+    save(result, tmp_path / "a.json")
+    text = (tmp_path / "a.json").read_text().replace('"problem": {', '"problem": {"novel": 1, ')
+    (tmp_path / "b.json").write_text(text)
+    assert read_result(tmp_path / "b.json").statement == result.problem.statement

@@ -11,7 +11,7 @@ from moseg_core.io import load, read_labels, read_result, save
 from moseg_core.problem.hierarchy import Hierarchy
 from moseg_core.problem.problem import Problem
 from moseg_core.problem.recipe import parse_recipe
-from moseg_core.problem.settings import SearchOptions
+from moseg_core.problem.settings import Method
 from moseg_core.search.clipped_result import clip
 from moseg_core.search.levels import refine, segment_hierarchy
 from moseg_core.search.result import Result
@@ -149,7 +149,7 @@ def test_history_method_and_versions_tell_the_level(result):
 
 def test_the_versions_of_a_run_are_known_before_it(result):
     assert result.versions == TASK.versions
-    ends = Hierarchy(REST, search=SearchOptions(seeder="evolution", labeler="core:greedy"))
+    ends = Hierarchy(REST, search=Method(seeder="evolution", labeler="core:greedy"))
     core = TASK.versions["core:kmeans"]
     more = {"core:evolution": core, "core:greedy": core}
     assert Hierarchy(WHOLE, {"rest": ends}).versions == TASK.versions | more
@@ -162,7 +162,7 @@ def test_versions_name_constraints_and_the_embedding():
 
 
 def test_a_component_that_is_not_installed_has_no_version():
-    task = Hierarchy(WHOLE, search=SearchOptions(seeder="kmean"))
+    task = Hierarchy(WHOLE, search=Method(seeder="kmean"))
     with pytest.raises(UsageError, match="unknown seeder 'kmean'; did you mean 'kmeans'"):
         _ = task.versions
 
@@ -291,7 +291,7 @@ def test_no_time_at_all_still_divides():
         ({"resolution": 1}, UsageError, "a resolution of 1 is too low for the 2 labels"),
         ({"seeder": "kmean"}, UsageError, "did you mean 'kmeans'"),
         ({"seed": -1}, UsageError, "must not be negative"),
-        ({"sed": 1}, TypeError, "unexpected keyword argument 'sed'"),
+        ({"sed": 1}, UsageError, "unknown option 'sed'; did you mean 'seed'"),
     ],
 )
 def test_options_are_checked_before_the_search(options, error, message):

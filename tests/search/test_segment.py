@@ -15,7 +15,7 @@ from moseg_core.components.protocols import Centers
 from moseg_core.components.segmentation import Segmentation
 from moseg_core.errors import ShapeError, UsageError
 from moseg_core.problem.problem import Problem
-from moseg_core.problem.settings import SearchOptions
+from moseg_core.problem.settings import Method
 from moseg_core.search.segment import segment
 from moseg_core.shape.shape import Shape
 from tests import references, shapes
@@ -131,7 +131,7 @@ def test_labels_go_to_the_parts_that_suit_them():
 
 
 def test_defaults_and_single_components_may_be_given():
-    defaults = SearchOptions(
+    defaults = Method(
         seeder=Choice("kmeans", {"rounds": 1}),
         optimizer=Choice("pattern_search", {"max_evaluations": 3}),
     )

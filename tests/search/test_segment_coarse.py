@@ -15,7 +15,7 @@ from moseg_core.components.protocols import Centers
 from moseg_core.components.segmentation import Segmentation
 from moseg_core.errors import UsageError
 from moseg_core.problem.problem import Problem
-from moseg_core.problem.settings import SearchOptions
+from moseg_core.problem.settings import Method
 from moseg_core.search.segment import segment
 from moseg_core.shape.shape import Shape
 from tests import shapes
@@ -103,7 +103,7 @@ def test_a_run_without_random_numbers_is_not_repeated():
 
 
 def test_settings_of_the_paper():
-    defaults = SearchOptions(
+    defaults = Method(
         seeder=Choice("kmeans", {"rounds": 3}), optimizer=Choice("pattern_search"), restarts=5
     )
     found = segment(

@@ -18,7 +18,7 @@ def hammer():
 def _solve(shape: moseg.Shape) -> moseg.Result:
     found = moseg.load_recipe("hammer")
     problem = moseg.Problem(found.labels, found.minimize)
-    return moseg.segment(shape, problem, method=found.method)
+    return moseg.segment(shape, problem, defaults=found.statement.search)
 
 
 @pytest.fixture(scope="module")

@@ -14,7 +14,7 @@ from moseg_benchmark.label_matching import Naming
 from moseg_benchmark.psb import find_models
 from moseg_benchmark.records import Records, asked_of
 
-from moseg_core import SearchOptions, load_recipe, registry
+from moseg_core import Method, load_recipe, registry
 from moseg_core.components.chosen import Choice
 
 
@@ -71,8 +71,8 @@ def divided(case, **changes):
         ({}, {"embedding": Choice("mds")}),
         ({"embedding": Choice("mds")}, {"embedding": Choice("mds", {"landmarks": 20})}),
         ({"embedding": Choice("mds")}, {"embedding": Choice("mds"), "space": "mds"}),
-        ({}, {"search": SearchOptions(labeler="greedy")}),
-        ({"search": SearchOptions(restarts=1)}, {"search": SearchOptions(restarts=2)}),
+        ({}, {"search": Method(labeler="greedy")}),
+        ({"search": Method(restarts=1)}, {"search": Method(restarts=2)}),
     ],
     ids=[
         *("labels", "minimize", "constraint", "labels of a constraint", "plane", "embedding"),
@@ -145,7 +145,7 @@ def test_another_version_of_a_distribution_is_measured_anew(case, records, forei
     foreign("1.0")
     case = {
         "objective": stated(case, minimize="long(one)"),
-        "seeder": stated(case, search=SearchOptions(seeder="thrown")),
+        "seeder": stated(case, search=Method(seeder="thrown")),
         "objective of a part": divided(case, minimize="long(a)"),
     }[what]
     assert "moseg-foreign 1.0" in asked_of(case)["versions"].values()
