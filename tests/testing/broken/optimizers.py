@@ -38,6 +38,14 @@ class Search(PatternSearch):
         super().__init__(start, lower, upper, scale, rng=rng, max_evaluations=max_evaluations)
 
 
+class WholeCentersOnly(Search):
+    """It takes every start for rows of whole centres, of four numbers each."""
+
+    def __init__(self, start, lower, upper, scale, /, *, rng):
+        start.reshape(-1, 4)
+        super().__init__(start, lower, upper, scale, rng=rng)
+
+
 class StartsElsewhere(Search):
     """The first candidate is beside the start."""
 

@@ -14,6 +14,11 @@ def test_it_fails_this_check_and_no_other(id):
     assert_fails_only(id, BROKEN[id])
 
 
+def test_starts_are_of_fewer_numbers_than_a_center_too():
+    target = "tests.testing.broken.optimizers:WholeCentersOnly"
+    assert_fails_only("runs-on-the-zoo", OptimizerSpec(name="broken", target=target))
+
+
 @pytest.mark.parametrize(
     "target", ["tests.testing.broken.optimizers:Search", "tests.testing.sound:Spread"]
 )
