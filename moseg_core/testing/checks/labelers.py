@@ -28,7 +28,7 @@ def _order(subject: Subject, evaluator: ProblemEvaluator, vector: FloatArray) ->
 @check("labeler-permutation", kinds=["labeler"])
 def _permutation(subject: Subject) -> None:
     """Each label goes to one centre and each centre to one label, or a part is lost."""
-    for n in (1, 2, 4):
+    for n in (1, 2, 3, 4):
         evaluator = evaluator_on(lump(), n)
         for vector in vectors(evaluator, 2):
             found = _order(subject, evaluator, vector)

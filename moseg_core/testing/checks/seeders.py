@@ -28,6 +28,7 @@ _APART = 1e-9
 
 def _problems() -> Iterator[tuple[str, ProblemEvaluator]]:
     yield "1 label on a lump", evaluator_on(lump(), 1)
+    yield "3 labels on a lump", evaluator_on(lump(), 3)
     yield "4 labels on a lump", evaluator_on(lump(), 4)
     yield "8 labels on a lump of 8 faces", evaluator_on(lump(0), 8)
 

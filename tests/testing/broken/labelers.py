@@ -26,6 +26,24 @@ class EachForItself:
         return evaluator.unary_costs(vector).all().argmin(axis=0)
 
 
+class NotThree:
+    """It ends with an error where there are three labels."""
+
+    def __call__(self, evaluator, vector):
+        order = optimal_assignment(evaluator.unary_costs(vector).all())
+        if len(order) == 3:
+            raise ZeroDivisionError("of three")
+        return order
+
+
+class OneOfThreeTwice:
+    """Of three centres one gets two labels."""
+
+    def __call__(self, evaluator, vector):
+        order = optimal_assignment(evaluator.unary_costs(vector).all())
+        return order[[0, 0, 1]] if len(order) == 3 else order
+
+
 class TheWorst:
     """The assignment of the greatest cost, which it takes for the least."""
 

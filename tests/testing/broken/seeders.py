@@ -38,6 +38,24 @@ class OneTooFew(Drawn):
         return centers if len(centers) < 4 else centers[1:]
 
 
+class OneTooFewOfThree(Drawn):
+    """One of three centres is missing; of more or fewer there is none."""
+
+    def chosen(self, evaluator, rng):
+        centers = super().chosen(evaluator, rng)
+        return centers[1:] if len(centers) == 3 else centers
+
+
+class NotThree(Drawn):
+    """It ends with an error where there are three labels."""
+
+    def chosen(self, evaluator, rng):
+        centers = super().chosen(evaluator, rng)
+        if len(centers) == 3:
+            raise ZeroDivisionError("of three")
+        return centers
+
+
 class WithReplacement(Drawn):
     """One element may be drawn twice."""
 
