@@ -6,10 +6,13 @@ same ``z``, and otherwise numbers of its own: ``x, y`` and the weight.
 
 from __future__ import annotations
 
+from typing import Annotated
+
 import numpy as np
 
 from moseg_core.components.constraint_function import constraint
 from moseg_core.components.discovery.specs import ConstraintSpec
+from moseg_core.components.parameters import Interval
 from moseg_core.errors import UsageError
 
 _NAMES = {
@@ -67,6 +70,23 @@ def opposite(free):
     """Two centres on opposite sides of the middle; nothing is wrong with it."""
     x, w = free
     return [[x, 0, 0, w], [-x, 0, 0, w]]
+
+
+class Refusing(Level):
+    """It refuses one value of its parameter, as it may; nothing is wrong with it."""
+
+    def __init__(self, shape, labels, *, order: Annotated[int, Interval(0, 5)] = 2):
+        super().__init__(shape, labels)
+        if order == 0:
+            raise UsageError("constraint 'refusing' takes no order of 0 here")
+
+
+class Dividing(Level):
+    """It ends with an error for a value that its declaration allows."""
+
+    def __init__(self, shape, labels, *, order: Annotated[int, Interval(0, 5)] = 2):
+        super().__init__(shape, labels)
+        self.share = 1 / order
 
 
 class ReadsWhatItDetermines(Level):

@@ -18,9 +18,15 @@ def test_it_fails_this_check_and_no_other(id):
     "target",
     [
         "tests.testing.broken.constraints:Level",
+        "tests.testing.broken.constraints:Refusing",
         "tests.testing.broken.constraints:opposite",
         "tests.testing.odd:opposite",
     ],
 )
 def test_what_is_sound_passes(target):
     assert failures(ConstraintSpec(name="own", target=target)) == {}
+
+
+def test_a_value_may_be_refused_and_must_not_end_in_a_crash():
+    target = "tests.testing.broken.constraints:Dividing"
+    assert set(failures(ConstraintSpec(name="own", target=target))) == {"parameters-in-range"}
