@@ -2,9 +2,10 @@
 
 The partition is found in the embedded shape and its labels are read as those of the original,
 element by element. So the two must have the same elements in the same order; and where the
-original is turned, or mirrored, what becomes of it must be cut the same way. The method is blind
-to where an embedded shape lies, how large it is and which way round, so only the ratios of
-distances between its elements are compared: a scaling of distances may come out mirrored.
+original is turned, mirrored, or has its faces turned inward, as those of many files are, what
+becomes of it must be cut the same way. The method is blind to where an embedded shape lies, how
+large it is and which way round, so only the ratios of distances between its elements are compared:
+a scaling of distances may come out mirrored.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from moseg_core.errors import MosegError
 from moseg_core.shape.shape import Shape
 from moseg_core.testing.check import ContractFailure, Skip, Subject, check
 from moseg_core.testing.fixtures.comparison import expect_equal, unlike
-from moseg_core.testing.fixtures.shapes import lump, mapped, rotation
+from moseg_core.testing.fixtures.shapes import faces_of, lump, mapped, rotation
 from moseg_core.testing.fixtures.trial import made
 from moseg_core.types import FloatArray
 
@@ -102,22 +103,30 @@ def _deterministic(subject: Subject) -> None:
 @check("embedding-isometry", kinds=["embedding"])
 def _isometry(subject: Subject) -> None:
     """A shape that was turned in its file must be cut as before."""
-    motions = {"turned": rotation(3), "mirrored": np.diag([1.0, -1.0, 1.0])}
     # The last has more vertices than some embeddings look at one by one.
     for shape in (*_shapes(), lump(3)):
         before = _distances(_embedded(subject, shape))
-        for what, matrix in motions.items():
-            other = mapped(shape, matrix, _ELSEWHERE, name=f"{what} {shape.name}")
+        for what, other in _alike(shape):
             expect_equal(
                 before,
                 _distances(_embedded(subject, other)),
                 tolerance=_SAME,
-                did=f"a {shape.name} was embedded, and again after it was {what} and moved",
+                did=f"a {shape.name} was embedded, and again after it was {what}",
                 got="distances between elements that differ by up to {} of the greatest",
                 expected="the same distances, but for their unit",
-                fix="begin from distances, or from axes of the shape; not from the file's axes or"
-                " its origin",
+                fix="begin from distances, or from axes of the shape; not from the file's axes,"
+                " its origin or the side to which its faces are turned",
             )
+
+
+def _alike(shape: Shape) -> Iterator[tuple[str, Shape]]:
+    """The same surface in other words, and what was done to it."""
+    motions = {"turned": rotation(3), "mirrored": np.diag([1.0, -1.0, 1.0])}
+    for what, matrix in motions.items():
+        yield f"{what} and moved", mapped(shape, matrix, _ELSEWHERE, name=f"{what} {shape.name}")
+    inward = [face[::-1] for face in faces_of(shape)]
+    vertices = shape.geometry.vertices
+    yield "turned inside out", Shape.from_mesh(vertices, inward, name=f"inward {shape.name}")
 
 
 def _distances(shape: Shape) -> FloatArray:

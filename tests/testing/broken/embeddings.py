@@ -64,6 +64,16 @@ class FurtherEachTime(Stretched):
         return super().__call__(shape)
 
 
+class ByTheOutside(Stretched):
+    """Shapes with faces turned inward, whose volume is negative, are stretched further."""
+
+    def vertices(self, shape):
+        corners = shape.geometry.vertices[shape.geometry.triangles]
+        inward = np.linalg.det(corners - shape.geometry.vertices.mean(axis=0)).sum() < 0
+        self.factor = 3.0 if inward else 2.0
+        return super().vertices(shape)
+
+
 class AlongTheFile(Stretched):
     """Stretched along x."""
 

@@ -14,6 +14,11 @@ def test_it_fails_this_check_and_no_other(id):
     assert_fails_only(id, BROKEN[id])
 
 
+def test_faces_may_be_turned_inward():
+    target = "tests.testing.broken.embeddings:ByTheOutside"
+    assert_fails_only("embedding-isometry", EmbeddingSpec(name="broken", target=target))
+
+
 @pytest.mark.parametrize("target", ["tests.testing.broken.embeddings:Stretched"])
 def test_what_is_sound_passes(target):
     assert failures(EmbeddingSpec(name="own", target=target)) == {}
