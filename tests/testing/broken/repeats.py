@@ -5,6 +5,8 @@ Measures, because nothing else is asked of them.
 
 from __future__ import annotations
 
+import sys
+import threading
 import time
 
 import numpy as np
@@ -79,3 +81,10 @@ def with_a_global(part):
     scratch["part"] = part
     time.sleep(0.002)
     return scratch["part"].area
+
+
+def ends_its_thread(part):
+    """It ends the thread that it is on, unless that is the main one."""
+    if threading.current_thread() is not threading.main_thread():
+        sys.exit()
+    return part.area

@@ -14,6 +14,11 @@ def test_it_fails_this_check_and_no_other(id):
     assert_fails_only(id, BROKEN[id])
 
 
+def test_a_thread_that_ends_has_not_answered():
+    target = "tests.testing.broken.repeats:ends_its_thread"
+    assert_fails_only("usable-from-two-threads", MeasureSpec(name="broken", target=target))
+
+
 @pytest.mark.parametrize("target", ["tests.testing.broken.heavy:spread"])
 def test_what_is_sound_passes(target):
     assert failures(MeasureSpec(name="own", target=target)) == {}
