@@ -183,7 +183,10 @@ def _protocol_answered(subject: Subject) -> None:
             expected=f"all that moseg_core.components.protocols.{protocol.__name__} lists",
             fix="add what is missing",
         )
-    for name, method in vars(protocol).items():
+    methods = dict(vars(protocol))
+    if isinstance(made, protocols.ClippableParameterization):
+        methods |= vars(protocols.ClippableParameterization)
+    for name, method in methods.items():
         if inspect.isfunction(method) and (name == "__call__" or not name.startswith("_")):
             _, *arguments = inspect.signature(method).parameters.values()
             named = [p.name for p in arguments if p.kind is p.KEYWORD_ONLY]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from moseg_core.builtin.voronoi import Voronoi
 from moseg_core.components.discovery.specs import MeasureSpec, ObjectiveSpec, SeederSpec
 from moseg_core.components.protocols import Seeding
 
@@ -36,3 +37,10 @@ class TellsNobody:
 
     def __call__(self, evaluator, rng):
         return Seeding(centers=evaluator.shape.points[: evaluator.parameterization.n_parts])
+
+
+class DistancesOfNoPoints(Voronoi):
+    """It looks clippable, and does not take the points that boundaries are clipped at."""
+
+    def distances(self, vector):
+        return super().distances(vector, self._shape.points)

@@ -10,7 +10,7 @@ from typing import get_args
 import pytest
 
 from moseg_core.components import protocols
-from moseg_core.components.discovery.specs import ConstraintSpec, Kind
+from moseg_core.components.discovery.specs import ConstraintSpec, Kind, ParameterizationSpec
 from moseg_core.errors import UsageError
 from moseg_core.testing import CHECKS, load_checks
 from moseg_core.testing.checks import general
@@ -35,6 +35,13 @@ def test_a_constraint_that_cannot_be_made_is_reported_once():
     failed = failures(ConstraintSpec(name="own", target=f"{__name__}:OnNoLabels"))
     assert set(failed) == {"default-construction"}
     assert "it takes 99 labels" in failed["default-construction"]
+
+
+def test_what_makes_a_parameterization_clippable_is_held_to_its_protocol():
+    target = "tests.testing.broken.general:DistancesOfNoPoints"
+    spec = ParameterizationSpec(name="broken", target=target)
+    assert_fails_only("protocol-answered", spec)
+    assert "DistancesOfNoPoints.distances" in failures(spec)["protocol-answered"]
 
 
 def test_every_kind_that_is_made_has_the_protocol_of_its_name():
