@@ -11,13 +11,13 @@ from __future__ import annotations
 import dataclasses
 import hashlib
 import json
+from collections.abc import Iterable
 from importlib import metadata
 from pathlib import Path
 from typing import Any
 
 from moseg_benchmark.cases import BenchmarkCase, CaseResult
 from moseg_benchmark.label_matching import IntArray
-from moseg_benchmark.psb import Model
 from moseg_core import MosegError, __version__, read_labels, save_labels, write_file
 
 
@@ -41,21 +41,22 @@ def asked_of(case: BenchmarkCase) -> dict[str, Any]:
     UsageError, PluginError
         The recipe uses something that is not installed.
     """
+    model = case.model
     versions = {"moseg": __version__, "moseg-benchmark": metadata.version("moseg-benchmark")}
     if case.recipe is not None:
         versions |= case.recipe.hierarchy().versions
     return {
-        "model": _digest(case.model),
+        "model": _digest([model.mesh, *model.people, *([model.names] if model.names else [])]),
         "naming": dataclasses.asdict(case.naming),
         "statement": None if case.recipe is None else case.recipe.statement.document(),
         "versions": versions,
     }
 
 
-def _digest(model: Model) -> str:
-    """Hexadecimal digest of all files of a model."""
+def _digest(paths: Iterable[Path]) -> str:
+    """Hexadecimal digest of what is in files."""
     digest = hashlib.sha256()
-    for path in (model.mesh, *model.people, *([model.names] if model.names else [])):
+    for path in paths:
         digest.update(hashlib.sha256(path.read_bytes()).digest())
     return digest.hexdigest()[:16]
 
@@ -83,7 +84,7 @@ class Records:
             save_labels(labels, self._labels_path(case))
         record = {
             "asked": asked_of(case),
-            "elements": 0 if labels is None else len(labels),
+            "labels": None if labels is None else _digest([self._labels_path(case)]),
             "row": dataclasses.asdict(result),
         }
         write_file(self._record_path(case), (json.dumps(record, indent=1) + "\n").encode())
@@ -104,7 +105,8 @@ class Records:
         try:
             record = json.loads(self._record_path(case).read_bytes())
             asked, result = record["asked"], CaseResult.read(record["row"])
-            whole = not case.searches or self._count(case) == record["elements"]
+            # The labels are written first: a run that ended between the two leaves another's.
+            whole = not case.searches or _digest([self._labels_path(case)]) == record["labels"]
         except (OSError, ValueError, KeyError, TypeError):  # none, cut short or changed by hand
             return None
         if not whole or (result.failure and result.cost is None):
@@ -114,13 +116,10 @@ class Records:
     def labels(self, case: BenchmarkCase) -> IntArray | None:
         """The labels that a case found; None where their file is missing or damaged."""
         try:
-            return read_labels(self._labels_path(case), self._count(case)).labels
+            path = self._labels_path(case)
+            return read_labels(path, path.read_bytes().count(b"\n")).labels
         except (MosegError, OSError):
             return None
-
-    def _count(self, case: BenchmarkCase) -> int:
-        """How many elements the file of labels has."""
-        return self._labels_path(case).read_bytes().count(b"\n")
 
     def _record_path(self, case: BenchmarkCase) -> Path:
         return self.folder / f"{case.key}.json"

@@ -201,6 +201,25 @@ def test_failures_and_damaged_files_are_not_taken_over(case, records, tmp_path):
     assert records.labels(case) is None
 
 
+def test_labels_of_a_run_that_ended_before_its_record_are_not_taken_over(
+    case, records, monkeypatch
+):
+    from moseg_benchmark import records as module
+
+    def ended(*_):
+        raise KeyboardInterrupt
+
+    records.write(case, RESULT, LABELS)
+    other = stated(case, minimize="2*narrow(one) + narrow(two*) + convex_parts")
+    monkeypatch.setattr(module, "write_file", ended)
+    with pytest.raises(KeyboardInterrupt):
+        records.write(other, RESULT, LABELS[::-1])
+    monkeypatch.undo()
+    assert records.labels(case).tolist() == [1, 2, 0]  # as many as those of the first run
+    assert records.result(case) is None
+    assert records.result(other) is None
+
+
 def test_what_was_asked_reads_back_as_it_was(case):
     recipes = map(load_recipe, ("octopus", "bulldog", "symmetry_then_convex"))
     for asking in (divided(case), *(replace(case, recipe=recipe) for recipe in recipes)):
