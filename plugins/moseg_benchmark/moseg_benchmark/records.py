@@ -8,6 +8,7 @@ result (:func:`asked_of`), and a result is taken over only where all of it is th
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import hashlib
 import json
@@ -18,7 +19,10 @@ from typing import Any
 
 from moseg_benchmark.cases import BenchmarkCase, CaseResult
 from moseg_benchmark.label_matching import IntArray
-from moseg_core import MosegError, __version__, read_labels, save_labels, write_file
+from moseg_core import MosegError, __version__, read_labels, registry, save_labels, write_file
+
+#: What bundles compute with, where it is installed; moseg's own do without manifold3d.
+_LIBRARIES = ("numpy", "scipy", "numba", "libigl", "manifold3d")
 
 
 def asked_of(case: BenchmarkCase) -> dict[str, Any]:
@@ -33,8 +37,8 @@ def asked_of(case: BenchmarkCase) -> dict[str, Any]:
     dict
         Plain data, equal for two cases exactly if they ask for the same: ``model``, a digest of
         its files; ``naming``; ``statement``, that of the recipe, or None without one;
-        ``versions`` of moseg, of this bundle, and for each component that the recipe uses the
-        distribution that it comes in.
+        ``versions`` of moseg, of this bundle and of the numerical libraries, and the distribution
+        in which each component that the recipe uses comes, and each measure that is installed.
 
     Raises
     ------
@@ -42,15 +46,25 @@ def asked_of(case: BenchmarkCase) -> dict[str, Any]:
         The recipe uses something that is not installed.
     """
     model = case.model
-    versions = {"moseg": __version__, "moseg-benchmark": metadata.version("moseg-benchmark")}
-    if case.recipe is not None:
-        versions |= case.recipe.hierarchy().versions
     return {
         "model": _digest([model.mesh, *model.people, *([model.names] if model.names else [])]),
         "naming": dataclasses.asdict(case.naming),
         "statement": None if case.recipe is None else case.recipe.statement.document(),
-        "versions": versions,
+        "versions": _versions(case),
     }
+
+
+def _versions(case: BenchmarkCase) -> dict[str, str]:
+    """Of all code that may have a part in a result, by component or distribution."""
+    versions = {"moseg": __version__, "moseg-benchmark": metadata.version("moseg-benchmark")}
+    for library in _LIBRARIES:
+        with contextlib.suppress(metadata.PackageNotFoundError):
+            versions[library] = metadata.version(library)
+    # Any objective or constraint may ask a part for a measure of any bundle, and none says which.
+    versions |= {c.id: c.distribution for c in registry().components("measure")}
+    if case.recipe is not None:
+        versions |= case.recipe.hierarchy().versions
+    return versions
 
 
 def _digest(paths: Iterable[Path]) -> str:

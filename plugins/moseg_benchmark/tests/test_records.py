@@ -168,12 +168,51 @@ def test_other_versions_of_moseg_and_of_the_benchmark_are_measured_anew(case, re
     people = BenchmarkCase(model=case.model, method="people")
     records.write(people, RESULT, None)
     assert records.result(people) == RESULT
-    assert set(asked_of(people)["versions"]) == {"moseg", "moseg-benchmark"}
+    assert {"moseg", "moseg-benchmark"} <= set(asked_of(people)["versions"])
     monkeypatch.setattr(module, "__version__", "9.9")
     assert records.result(people) is None
     monkeypatch.undo()
     monkeypatch.setattr(module.metadata, "version", lambda name: "9.9")
     assert records.result(people) is None
+
+
+@pytest.mark.parametrize("library", ["numpy", "scipy", "numba", "libigl", "manifold3d"])
+def test_another_version_of_a_library_is_measured_anew(case, records, monkeypatch, library):
+    from moseg_benchmark import records as module
+
+    versions = dict.fromkeys(("moseg-benchmark", "numpy", "scipy", "numba", library), "1.0")
+
+    def version(name: str) -> str:
+        if name not in versions:
+            raise module.metadata.PackageNotFoundError(name)
+        return versions[name]
+
+    monkeypatch.setattr(module.metadata, "version", version)
+    records.write(case, RESULT, LABELS)
+    assert records.result(case) == RESULT
+    versions[library] = "1.1"
+    assert records.result(case) is None
+
+
+MEASURE = """
+
+@hookimpl
+def moseg_measures():
+    return [MeasureSpec(name="length", target="foreign_bundle:long")]
+"""
+
+
+def test_another_version_of_a_measure_that_an_objective_may_ask_for_is_measured_anew(
+    case, records, foreign, tmp_path
+):
+    path = tmp_path / "site" / "foreign_bundle.py"
+    path.write_text(FOREIGN.replace("import Part", "import MeasureSpec, Part") + MEASURE)
+    foreign("1.0")
+    assert asked_of(case)["versions"]["foreign:length"] == "moseg-foreign 1.0"
+    records.write(case, RESULT, LABELS)
+    assert records.result(case) == RESULT
+    foreign("1.1")
+    assert records.result(case) is None
 
 
 def test_installed_recipes_use_what_their_bundles_bring(case):
