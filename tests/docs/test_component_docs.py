@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import re
+import tomllib
 
 import pytest
 
@@ -11,6 +12,7 @@ from moseg_core.components.discovery.registry import registry
 from moseg_core.components.explanation import Explained, explain_component
 from tools.make_component_docs import (
     BLOCKS,
+    BUNDLES,
     PAGE,
     ROOT,
     call,
@@ -27,6 +29,22 @@ AGAIN = "run: python tools/make_component_docs.py"
 
 def explained(name: str) -> Explained:
     return explain_component(registry().find("objective", name))
+
+
+def test_the_page_is_of_all_bundles_of_this_repository():
+    projects = [ROOT / "pyproject.toml", *ROOT.glob("plugins/*/pyproject.toml")]
+    tables = [tomllib.loads(path.read_text())["project"]["entry-points"] for path in projects]
+    assert sorted(BUNDLES) == sorted(name for table in tables for name in table["moseg"])
+
+
+def test_the_readme_names_all_recipes_or_says_that_there_are_more():
+    named = re.search(
+        r"^    moseg recipes +# (.*)$", (ROOT / "README.md").read_text(), re.MULTILINE
+    )
+    names = set(named[1].split(", "))
+    known = {c.spec.name for c in registry().components("recipe") if c.bundle in BUNDLES}
+    assert names - {"..."} <= known
+    assert ("..." in names) == (names - {"..."} != known)
 
 
 def test_the_page_of_components_is_up_to_date():
