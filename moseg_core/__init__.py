@@ -18,34 +18,36 @@ that type checkers read.
 from __future__ import annotations
 
 import importlib
-import re
-from pathlib import Path
+from functools import cache
 from typing import Any
 
 from moseg_core.components.discovery import contract
 
 __version__ = contract.VERSION
 
-_HOMES = {
-    name: home
-    for home, name in re.findall(
-        r"^from (\S+) import (\w+) as \2$",
-        Path(__file__).with_suffix(".pyi").read_text(encoding="utf-8"),
-        re.MULTILINE,
-    )
-}
 
-__all__ = ["__version__", *_HOMES]
+@cache
+def _homes() -> dict[str, str]:
+    """Of each public name, the module that defines it; read on first use, as it takes a while."""
+    import re
+    from pathlib import Path
+
+    stub = Path(__file__).with_suffix(".pyi").read_text(encoding="utf-8")
+    found = re.findall(r"^from (\S+) import (\w+) as \2$", stub, re.MULTILINE)
+    return {name: home for home, name in found}
 
 
 def __getattr__(name: str) -> Any:
-    """Import a public name on first use."""
-    if name not in _HOMES:
+    """Import a public name on first use; also make ``__all__``, the list of them."""
+    if name == "__all__":
+        value: Any = ["__version__", *_homes()]
+    elif name in _homes():
+        value = getattr(importlib.import_module(_homes()[name]), name)
+    else:
         raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
-    value = getattr(importlib.import_module(_HOMES[name]), name)
     globals()[name] = value
     return value
 
 
 def __dir__() -> list[str]:
-    return sorted(__all__)
+    return sorted(__getattr__("__all__"))

@@ -95,7 +95,7 @@ def test_listing_plugins_loads_bundles_but_no_component_and_no_numerical_library
 def test_every_public_name_is_there(name):
     value = getattr(moseg_core, name)
     if name != "__version__":
-        home = importlib.import_module(moseg_core._HOMES[name])
+        home = importlib.import_module(moseg_core._homes()[name])
         assert value is getattr(home, name)
 
 
@@ -109,7 +109,20 @@ def test_the_loader_reads_every_name_of_the_stub():
                 assert alias.asname == alias.name
                 assert alias.name not in seen
                 seen[alias.name] = node.module
-    assert seen == moseg_core._HOMES
+    assert seen == moseg_core._homes()
+
+
+@pytest.mark.parametrize("use", ["moseg_core.Shape", "moseg_core.__all__", "dir(moseg_core)"])
+def test_the_stub_is_read_when_a_name_is_first_asked_for(use, tmp_path):
+    names = "moseg_core._homes.cache_info().currsize"
+    loaded_by(
+        f"{TELL}import moseg_core; assert {names} == 0; {use}; assert {names} == 1", folder=tmp_path
+    )
+
+
+def test_the_package_alone_loads_nothing_to_read_files_with(tmp_path):
+    before = "before = set(sys.modules); import moseg_core; "
+    loaded_by(f"{TELL}{before}assert 'pathlib' not in set(sys.modules) - before", folder=tmp_path)
 
 
 def test_unknown_names_are_unknown():
