@@ -200,7 +200,7 @@ def components_of(recipe: Recipe) -> list[str]:
             rule.id for rule in problem.bound_constraints
         ]
         found += [problem.embedding_component.component.id] if problem.embedding_component else []
-        ready = prepare_components(problem, Method().settled(level.search))
+        ready = prepare_components(problem, SearchOptions().settled(level.search))
         found += [prepared.component.id for prepared in ready.values()]
     return found
 
