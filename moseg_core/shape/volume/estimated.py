@@ -8,7 +8,8 @@ of polygons or a point cloud has none. Three estimates, none of them taken unask
   into where it is not convex (:mod:`moseg_core.shape.volume.hulls`). Needs nothing but places;
 - ``winding``: the volume of all places around which the surface winds more than half
   (:mod:`moseg_core.shape.volume.winding`), whichever way it is oriented as a whole. Holes and gaps
-  are closed by what would be the smoothest membrane over them; pieces must be oriented alike.
+  are closed by what would be the smoothest membrane over them. Faces must be oriented alike: where
+  neighbours are seen not to be, the words say so; of pieces that do not touch nobody can tell.
 
 The region of ``winding`` is measured by points, one at a random place in each of some 300 000
 equal cells of a box around the shape, along its principal axes. Where the exact volume is known
@@ -24,8 +25,10 @@ import math
 import numpy as np
 
 from moseg_core.errors import UsageError
+from moseg_core.shape.adjacency import undirected
 from moseg_core.shape.cloud import PointCloud
 from moseg_core.shape.geometry import Geometry
+from moseg_core.shape.mesh import PolygonMesh
 from moseg_core.shape.volume.hulls import hulls_volume
 from moseg_core.shape.volume.volume import Volume
 from moseg_core.shape.volume.winding_tree import WindingTree
@@ -49,7 +52,7 @@ def estimated_volume(geometry: Geometry, how: float | str) -> tuple[Volume, str]
         has no hull, points without normals have no winding number, or the surface winds around
         nothing.
     words : str
-        Empty where there is no volume.
+        Empty where there is no volume. Says also why the volume may be wrong.
 
     Raises
     ------
@@ -115,4 +118,20 @@ def _winding_volume(geometry: Geometry) -> tuple[Volume, str]:
         )
         return Volume.none(reason), ""
     value = share * float(size.prod())
-    return Volume(value=value, source="winding"), "where its surface winds more than half around"
+    words = "where its surface winds more than half around"
+    if isinstance(geometry, PolygonMesh) and (count := _edges_turned_over(geometry)):
+        edges = "1 edge" if count == 1 else f"{count} edges"
+        words += f"; it may be far off: at {edges} faces are not oriented alike"
+    return Volume(value=value, source="winding"), words
+
+
+def _edges_turned_over(mesh: PolygonMesh) -> int:
+    """Edges through which more faces run in one direction than in the other, by two or more.
+
+    Faces that are oriented alike cancel out in pairs; at a rim one is left. Where two are, the
+    winding number is as if the surface had a twofold rim there.
+    """
+    ends, _ = mesh.edges
+    edge, group = undirected(ends)
+    direction = np.where(ends[:, 0] == edge[group, 0], 1, -1)
+    return int((np.abs(np.bincount(group, weights=direction)) > 1).sum())

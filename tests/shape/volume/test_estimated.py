@@ -79,6 +79,41 @@ def test_what_is_recorded():
     assert hull.notes == ("the enclosed volume is taken to be 1, that of its convex hull",)
 
 
+DOUBT = "faces are not oriented alike"
+
+
+def test_a_winding_volume_of_faces_that_are_turned_over_is_doubted():
+    vertices, faces = shapes.sphere(3)
+    turned = np.random.default_rng(0).random(len(faces)) < 0.5
+    mixed = [face[::-1] if turn else face for face, turn in zip(faces, turned, strict=True)]
+    shape = Shape.from_mesh(vertices, mixed).with_volume("winding")
+    assert shape.volume < 2  # a ball of 4.15
+    pairs = Shape.from_mesh(vertices, faces).adjacency.pairs
+    count = (turned[pairs[:, 0]] != turned[pairs[:, 1]]).sum() // 2  # pairs are listed both ways
+    assert shape.notes[-1].endswith(f"; it may be far off: at {count} edges {DOUBT}")
+    assert not any(DOUBT in note for note in shape.with_volume("hull").notes)
+
+
+def touching_cubes():
+    """Two cubes that have one edge in common: four faces meet there, two each way."""
+    return shapes.joined(shapes.cube(), shapes.moved(shapes.cube(), np.eye(3), 1, (1, 1, 0)))
+
+
+@pytest.mark.parametrize(
+    "mesh",
+    [
+        shapes.sphere(1),
+        shapes.cube_without_lid(),
+        (shapes.cube()[0], [face[::-1] for face in shapes.cube()[1]]),
+        touching_cubes(),
+    ],
+    ids=["closed", "open", "inside out", "touching"],
+)
+def test_a_winding_volume_of_faces_that_are_oriented_alike_is_not_doubted(mesh):
+    shape = Shape.from_mesh(*mesh).with_volume("winding")
+    assert shape.notes[-1].endswith("where its surface winds more than half around")
+
+
 @pytest.mark.parametrize("volume", ["hul", "", 0, -1.0, "nan", float("inf"), None, True])
 def test_volumes_that_are_none(volume):
     with pytest.raises(UsageError, match="positive number in model units cubed, 'hull' or 'wind"):
