@@ -169,4 +169,5 @@ def format_number(value: Real | float) -> str:
     if isinstance(value, Integral):
         return str(int(value))
     text = repr(float(value))
-    return text[:-2] if text.endswith(".0") else text
+    # Without its point -0.0 would be read as a whole number, which has no sign there.
+    return text[:-2] if text.endswith(".0") and text != "-0.0" else text

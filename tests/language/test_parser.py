@@ -53,6 +53,7 @@ SPACES = st.sampled_from(["", " ", "\n", "\t  ", "\r\n"])
 
 
 @given(EXPRESSIONS)
+@example(Expression((Term("f", parameters=(("k", -0.0),)),)))
 def test_an_expression_reads_back_as_itself(expression):
     again = parse(str(expression))
     assert again == expression
