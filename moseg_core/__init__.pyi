@@ -2,6 +2,8 @@
 
 from moseg_core.clipping.clip import Clipped as Clipped
 from moseg_core.clipping.clip import clip_boundaries as clip_boundaries
+from moseg_core.components.boundary import Boundaries as Boundaries
+from moseg_core.components.boundary import Boundary as Boundary
 from moseg_core.components.chosen import Choice as Choice
 from moseg_core.components.constraint_function import constraint as constraint
 from moseg_core.components.cost import Cost as Cost
@@ -14,6 +16,8 @@ from moseg_core.components.discovery.registry import registry as registry
 from moseg_core.components.discovery.specs import CommandSpec as CommandSpec
 from moseg_core.components.discovery.specs import ConstraintSpec as ConstraintSpec
 from moseg_core.components.discovery.specs import EmbeddingSpec as EmbeddingSpec
+from moseg_core.components.discovery.specs import FieldSpec as FieldSpec
+from moseg_core.components.discovery.specs import Invariance as Invariance
 from moseg_core.components.discovery.specs import Kind as Kind
 from moseg_core.components.discovery.specs import LabelerSpec as LabelerSpec
 from moseg_core.components.discovery.specs import MeasureSpec as MeasureSpec
@@ -22,13 +26,14 @@ from moseg_core.components.discovery.specs import OptimizerSpec as OptimizerSpec
 from moseg_core.components.discovery.specs import ParameterizationSpec as ParameterizationSpec
 from moseg_core.components.discovery.specs import ReaderSpec as ReaderSpec
 from moseg_core.components.discovery.specs import RecipeSpec as RecipeSpec
+from moseg_core.components.discovery.specs import Requirement as Requirement
 from moseg_core.components.discovery.specs import SeederSpec as SeederSpec
 from moseg_core.components.discovery.specs import Spec as Spec
 from moseg_core.components.discovery.specs import WriterSpec as WriterSpec
+from moseg_core.components.field import FieldSummary as FieldSummary
+from moseg_core.components.field import field_values as field_values
 from moseg_core.components.objectives import Arity as Arity
 from moseg_core.components.objectives import CostClass as CostClass
-from moseg_core.components.objectives import Invariance as Invariance
-from moseg_core.components.objectives import Requirement as Requirement
 from moseg_core.components.objectives import Traits as Traits
 from moseg_core.components.objectives import objective as objective
 from moseg_core.components.parameters import Interval as Interval
@@ -85,6 +90,7 @@ from moseg_core.shape.adjacency import Adjacency as Adjacency
 from moseg_core.shape.coarse import coarsen as coarsen
 from moseg_core.shape.data import Frame as Frame
 from moseg_core.shape.geometry import Geometry as Geometry
+from moseg_core.shape.links import Links as Links
 from moseg_core.shape.mesh import PolygonMesh as PolygonMesh
 from moseg_core.shape.pins import Pins as Pins
 from moseg_core.shape.shape import Shape as Shape

@@ -23,19 +23,21 @@ from __future__ import annotations
 import functools
 import inspect
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Literal, get_args, get_origin, get_type_hints
 
+from moseg_core.components.discovery.specs import Invariance, Requirement
 from moseg_core.components.parameters import Parameter, declared_parameters
 from moseg_core.components.part import Part
 from moseg_core.components.segmentation import Segmentation
 
 Arity = Literal["unary", "nary", "global"]
 CostClass = Literal["cheap", "moderate", "expensive"]
-Requirement = Literal["volume", "adjacency", "surface"]
-Invariance = Literal["rigid", "scale", "reflection", "order", "tessellation", "labels"]
+
+FieldNames = Callable[[Mapping[str, Any]], Sequence[str]]
+"""From the parameters of a call to the ids of the fields that it reads."""
 
 COST_ORDER: dict[CostClass, int] = {"cheap": 0, "moderate": 1, "expensive": 2}
 
@@ -62,6 +64,9 @@ class Traits:
         From the sums (microseconds), from the vertices, or from the whole surface.
     least, most : int
         How many parts an n-ary objective takes.
+    fields : tuple of str, or callable
+        Ids of the fields that the objective reads, or a function from the parameters that a call
+        gives to those; they are computed before the search.
     """
 
     arity: Arity
@@ -71,6 +76,7 @@ class Traits:
     cost: CostClass = "cheap"
     least: int = 1
     most: int | None = None
+    fields: tuple[str, ...] | FieldNames = ()
 
     @property
     def takes(self) -> str:
@@ -127,6 +133,7 @@ def objective(
     invariant_to: Iterable[Invariance] = (),
     cost: CostClass = "cheap",
     least: int | None = None,
+    fields: Sequence[str] | FieldNames = (),
 ) -> Callable[[Callable[..., float]], FunctionObjective]:
     """Turn a function of parts into an objective.
 
@@ -136,6 +143,11 @@ def objective(
         See :class:`Traits`.
     least : int, optional
         Least number of parts of an objective over a sequence of parts; 2 by default.
+    fields : sequence of str or callable
+        Ids of the fields that the objective reads (``"basic:thickness"``), or a function from the
+        parameters that a call gives to those. Fields are computed once per shape; those that are
+        declared before the search, so that a shape on which that fails is refused at once, and
+        processes share them.
 
     Returns
     -------
@@ -178,6 +190,7 @@ def objective(
             cost=cost,
             least=count if count is not None else (2 if least is None else least),
             most=count,
+            fields=fields if callable(fields) else tuple(fields),
         )
         made = FunctionObjective(function, traits, spread=arity == "nary" and count is not None)
         _ = made.parameters  # so that a parameter of an odd type shows here, not on first use

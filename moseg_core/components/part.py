@@ -6,7 +6,8 @@ come from exact sums over the elements; vertices and triangles are at hand for e
 
 Measures that need a library of their own (a hull volume, a distance to a surface) are provided
 by plugins and asked for by id, ``part.measure("basic:hull_volume")``. They are computed once per
-part and shared by all objectives.
+part and shared by all objectives. So are fields, numbers that every element of the shape has
+(:mod:`moseg_core.components.field`), and boundaries (:mod:`moseg_core.components.boundary`).
 
 During a search on a coarse shape (:mod:`moseg_core.shape.coarse`) a part is a union of
 super-elements. All that it says of itself is still about the user's shape and its elements;
@@ -21,8 +22,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from moseg_core.components.discovery.registry import MeasureResolver
+from moseg_core.components.boundary import Boundary
+from moseg_core.components.discovery.lookup import Lookup
+from moseg_core.components.field import FieldSummary
 from moseg_core.components.memo import Memo
+from moseg_core.components.part_tables import PartTables, pair_of_one_labelling
 from moseg_core.errors import MosegError
 from moseg_core.shape.adjacency import ranges
 from moseg_core.shape.shape import Shape
@@ -54,7 +58,10 @@ class Part:
     moments : (10,) float
         Area, first and second moments about the shape's centre, summed over the elements.
     memo : Memo
-    measures : MeasureResolver
+    lookup : Lookup
+        Where measures and fields are found.
+    _tables : PartTables
+        Shared with the other parts of the labelling.
 
     Examples
     --------
@@ -75,7 +82,8 @@ class Part:
     membership: tuple[int, int]
     moments: FloatArray
     memo: Memo
-    measures: MeasureResolver
+    lookup: Lookup
+    _tables: PartTables
 
     @property
     def shape(self) -> Shape:
@@ -225,16 +233,60 @@ class Part:
         UsageError
             No installed bundle has the measure.
         """
-        full, function, keep = self.measures(name)
-        key = (full, tuple(sorted(parameters.items())))
+        found = self.lookup.measure(name)
+        key = (found.id, tuple(sorted(parameters.items())))
         own = self._own_measures
         if key not in own:
-            if keep:
+            if found.keep:
                 whole = (self.membership, *self.level.key, *key)
-                own[key] = self.memo.get(whole, lambda: _shared(function(self, **parameters)))
+                own[key] = self.memo.get(whole, lambda: _shared(found.function(self, **parameters)))
             else:
-                own[key] = _shared(function(self, **parameters))
+                own[key] = _shared(found.function(self, **parameters))
         return own[key]
+
+    def field(self, name: str, **parameters: Any) -> FieldSummary:
+        """A field over the part: mean, spread, least and greatest value, weighted by area.
+
+        Parameters
+        ----------
+        name : str
+            ``bundle:name`` of the field, or the name alone where it is unique.
+        **parameters
+            The field's own parameters.
+
+        Raises
+        ------
+        MosegError
+            The part has no area.
+        ShapeError, UsageError, PluginError
+            As for :func:`moseg_core.field_values`.
+        """
+        self._require_area()
+        return self._tables.field(name, parameters)[self._index]
+
+    @property
+    def boundary(self) -> Boundary:
+        """Where the part meets all others.
+
+        Raises
+        ------
+        ShapeError
+            It is not known which elements touch.
+        """
+        return self._tables.boundary(self._index)
+
+    def boundary_with(self, other: Part) -> Boundary:
+        """Where the part meets another part of the same segmentation.
+
+        Raises
+        ------
+        MosegError
+            The other is of another segmentation.
+        ShapeError
+            It is not known which elements touch.
+        """
+        tables = pair_of_one_labelling(self._tables, other._tables)
+        return tables.between(self._index, other._index)
 
     def to_mesh(self) -> trimesh.Trimesh:
         """The part's surface as a trimesh object, triangulated, open where it was cut.

@@ -12,13 +12,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from moseg_core.components.discovery.registry import MeasureResolver, measure_resolver
+from moseg_core.components.boundary import Boundaries
+from moseg_core.components.discovery.lookup import Lookup
+from moseg_core.components.field import FieldSummary, field_values
 from moseg_core.components.memo import Memo
 from moseg_core.components.part import Part
+from moseg_core.components.part_tables import PartTables
 from moseg_core.shape.labels import checked_labels
 from moseg_core.shape.shape import Shape
 from moseg_core.types import BoolArray, FloatArray, Int32Array, IntArray, frozen
@@ -91,7 +95,8 @@ class Segmentation:
     n_parts : int
     summary : Summary
     memo : Memo
-    measures : MeasureResolver
+    lookup : Lookup
+        Where measures and fields are found.
     """
 
     level: Shape
@@ -99,7 +104,7 @@ class Segmentation:
     n_parts: int
     summary: Summary
     memo: Memo
-    measures: MeasureResolver
+    lookup: Lookup
 
     @property
     def shape(self) -> Shape:
@@ -143,7 +148,7 @@ class Segmentation:
         n_parts: int,
         *,
         memo: Memo | None = None,
-        measures: MeasureResolver | None = None,
+        lookup: Lookup | None = None,
     ) -> Segmentation:
         """From a label per element.
 
@@ -166,7 +171,7 @@ class Segmentation:
             n_parts=n_parts,
             summary=Summary.of(shape, array, n_parts),
             memo=Memo() if memo is None else memo,
-            measures=measure_resolver() if measures is None else measures,
+            lookup=Lookup() if lookup is None else lookup,
         )
 
     def permuted(self, order: IntArray) -> Segmentation:
@@ -183,8 +188,34 @@ class Segmentation:
                 moments=self.summary.moments[order],
             ),
             memo=self.memo,
-            measures=self.measures,
+            lookup=self.lookup,
         )
+
+    @cached_property
+    def _tables(self) -> PartTables:
+        return PartTables(self.level, self.level_labels, self.summary.moments[:, 0], self.lookup)
+
+    def fields(self, name: str, **parameters: Any) -> tuple[FieldSummary, ...]:
+        """A field over every part, in label order; NaN for the mean of a part without area.
+
+        See :meth:`moseg_core.Part.field`.
+        """
+        return tuple(self._tables.field(name, parameters))
+
+    def field_values(self, name: str, **parameters: Any) -> FloatArray:
+        """(F of `level`,) float: a field on the labelled shape; see :func:`field_values`."""
+        return field_values(self.level, name, lookup=self.lookup, **parameters)
+
+    @property
+    def boundaries(self) -> Boundaries:
+        """Where parts meet: lengths, who touches whom, means of fields.
+
+        Raises
+        ------
+        ShapeError
+            It is not known which elements touch.
+        """
+        return self._tables.boundaries
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:
@@ -200,7 +231,8 @@ class Segmentation:
                 membership=(hashes[k][0], hashes[k][1]),
                 moments=self.summary.moments[k],
                 memo=self.memo,
-                measures=self.measures,
+                lookup=self.lookup,
+                _tables=self._tables,
             )
             for k in range(self.n_parts)
         )

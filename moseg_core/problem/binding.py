@@ -12,11 +12,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from moseg_core.components.discovery.registry import Registry
+from moseg_core.components.discovery.registry import Registry, describe
 from moseg_core.components.objectives import COST_ORDER
 from moseg_core.components.parameters import Parameter, check_parameters
 from moseg_core.components.protocols import Objective
-from moseg_core.errors import ExpressionError, PluginError, UsageError, nearest, unknown
+from moseg_core.errors import REPORT, ExpressionError, PluginError, UsageError, nearest, unknown
 from moseg_core.language import Argument, Expression, Term
 
 
@@ -57,6 +57,29 @@ class BoundTerm:
     def cost_rank(self) -> int:
         """0 for cheap objectives, up to 2 for expensive ones."""
         return COST_ORDER[self.objective.traits.cost]
+
+    @property
+    def fields(self) -> tuple[str, ...]:
+        """Ids of the fields that the objective says it reads.
+
+        Raises
+        ------
+        PluginError
+            What the objective gives for them is no sequence of texts.
+        """
+        names = self.objective.traits.fields
+        if not callable(names):
+            return names
+        who = f"objective '{self.id}' of {self.distribution}"
+        try:
+            found = names(self.parameters)
+        except Exception as error:  # a stranger's objective may raise anything
+            raise PluginError(
+                f"{who} failed to name its fields: {describe(error)}; {REPORT}"
+            ) from error
+        if isinstance(found, str) or not all(isinstance(name, str) for name in found):
+            raise PluginError(f"{who} must name its fields in a tuple, not {found!r:.60}; {REPORT}")
+        return tuple(found)
 
     @property
     def memo_key(self) -> tuple[Any, ...]:

@@ -19,10 +19,12 @@ from typing import Any
 import numpy.typing as npt
 
 from moseg_core.components.chosen import Choice, PreparedComponent, prepare
-from moseg_core.components.discovery.registry import Registry, measure_resolver, registry
+from moseg_core.components.discovery.lookup import Lookup
+from moseg_core.components.discovery.registry import Registry, registry
 from moseg_core.components.memo import Memo
-from moseg_core.components.objectives import Requirement, objective
+from moseg_core.components.objectives import objective
 from moseg_core.components.protocols import Objective, Parameterization
+from moseg_core.components.requirements import lack
 from moseg_core.components.segmentation import Segmentation
 from moseg_core.errors import REPORT, PluginError, ShapeError, UsageError, unknown
 from moseg_core.language import Expression, parse
@@ -263,6 +265,11 @@ class Problem:
         """
         return Constraints(self.bound_constraints, partition, shape, self.labels)
 
+    @cached_property
+    def fields(self) -> tuple[str, ...]:
+        """Ids of the fields that the terms say they read, each once."""
+        return tuple(dict.fromkeys(name for term in self.terms for name in term.fields))
+
     def check(self, shape: Shape) -> None:
         """Refuse a shape that this problem cannot be solved on.
 
@@ -276,12 +283,18 @@ class Problem:
                 f"'{shape.name}' has {shape.n_elements} {shape.noun}s, too few for"
                 f" {len(self.labels)} labels"
             )
+        lookup = Lookup(self.registry)
         for term in self.terms:
             seen = shape.in_space(term.space)
             for requirement in sorted(term.objective.traits.requires):
                 missing = lack(seen, requirement)
                 if missing is not None:
                     raise ShapeError(f"'{term.term.name}' needs {missing}")
+            for name in term.fields:
+                for requirement in lookup.field(name).requires:
+                    missing = lack(shape.in_space(ORIGINAL), requirement)
+                    if missing is not None:
+                        raise ShapeError(f"'{term.term.name}' needs {missing}")
 
     def evaluate(
         self, shape: Shape, labels: npt.ArrayLike, *, memo: Memo | None = None
@@ -315,34 +328,10 @@ class Problem:
         if any(term.space != ORIGINAL for term in self.terms):
             shape = self.embed(shape)
         self.check(shape)
-        measures = measure_resolver(self.registry)
         segmentation = Segmentation.from_labels(
-            shape, labels, len(self.labels), memo=memo, measures=measures
+            shape, labels, len(self.labels), memo=memo, lookup=Lookup(self.registry)
         )
         return evaluate_segmentation(self.terms, self.labels, segmentation)
-
-
-def lack(shape: Shape, requirement: Requirement) -> str | None:
-    """What a shape lacks and what to do about it, in words; None where it lacks nothing."""
-    if requirement == "volume" and shape.volume is None:
-        repair = "repair the mesh, " if shape.has_surface else ""
-        return (
-            f"an enclosed volume, but '{shape.name}' encloses none: {shape.volume_reason};"
-            f" {repair}leave out the term or have it estimated (--volume VALUE|hull|winding)"
-        )
-    if requirement == "adjacency" and shape.adjacency is None:
-        return (
-            f"to know which elements touch, but '{shape.name}' does not say; leave out the term"
-            f" or take the nearest (--adjacency knn)"
-        )
-    if requirement == "surface" and not shape.has_surface:
-        if shape.solid:
-            return (
-                f"a surface, but the cells of '{shape.name}' fill a solid; leave out the term or"
-                f" read the surface alone (--voxels surface)"
-            )
-        return f"a surface, but '{shape.name}' is a {shape.geometry.kind}; leave out the term"
-    return None
 
 
 def check_label_names(labels: Sequence[str]) -> tuple[str, ...]:

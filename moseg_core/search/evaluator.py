@@ -13,7 +13,8 @@ The search spends its time here. Three things keep it short, none of which chang
 from __future__ import annotations
 
 from moseg_core.components.cost import Cost
-from moseg_core.components.discovery.registry import measure_resolver
+from moseg_core.components.discovery.lookup import Lookup
+from moseg_core.components.field import field_values
 from moseg_core.components.memo import Memo
 from moseg_core.components.protocols import Batch, Parameterization
 from moseg_core.components.segmentation import Segmentation
@@ -84,7 +85,10 @@ class ProblemEvaluator:
         self.evaluations = 0
         self.best: Found | None = None
         self.input = self if input is None else input
-        self._measures = measure_resolver(problem.registry)
+        self._lookup = Lookup(problem.registry)
+        # Before the search, so that a field that fails is known at once, and processes share it.
+        for name in problem.fields:
+            field_values(shape, name, lookup=self._lookup)
 
     def labels(self, vector: FloatArray) -> Int32Array:
         """(F,) int32: the labelling that a vector describes."""
@@ -98,7 +102,7 @@ class ProblemEvaluator:
             labels,
             len(self.problem.labels),
             memo=self.memo,
-            measures=self._measures,
+            lookup=self._lookup,
         )
 
     def evaluate(self, vector: FloatArray) -> Evaluation:

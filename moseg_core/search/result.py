@@ -8,7 +8,7 @@ from functools import cached_property
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
-from moseg_core.components.discovery.registry import measure_resolver
+from moseg_core.components.discovery.lookup import Lookup
 from moseg_core.components.part import Part
 from moseg_core.components.protocols import Centers
 from moseg_core.components.segmentation import Segmentation
@@ -111,7 +111,7 @@ class Result:
             self.shape,
             self.labels,
             len(self.problem.labels),
-            measures=measure_resolver(self.problem.registry),
+            lookup=Lookup(self.problem.registry),
         )
 
     @cached_property

@@ -23,6 +23,7 @@ from moseg_core.errors import ShapeError
 from moseg_core.shape.adjacency import Adjacency, ranges
 from moseg_core.shape.geometry import Geometry
 from moseg_core.shape.hull_corners import HullCorners, find_hull_corners
+from moseg_core.shape.links import Links, find_links
 from moseg_core.shape.mesh import PolygonMesh
 from moseg_core.shape.volume.volume import Source, Volume
 from moseg_core.types import FloatArray, IntArray, frozen
@@ -229,6 +230,32 @@ class ShapeData:
         if self.members is None:
             return None
         return find_hull_corners(self.geometry, self.members, self.points)
+
+    @cached_property
+    def links(self) -> Links:
+        """Which elements touch and along which length, each pair once.
+
+        Raises
+        ------
+        ShapeError
+            It is not known which elements touch.
+        """
+        if self.adjacency is None:
+            raise ShapeError(
+                f"'{self.name}' has no boundaries between parts: it does not say which elements"
+                f" touch; take the nearest (--adjacency knn)"
+            )
+        if self.fine is not None and self.members is not None:
+            fine = self.fine.links
+            return fine.grouped(self.members, fine.lengths, self.n_elements)
+        return find_links(
+            self.geometry if self.original is None else self.original.geometry,
+            self.adjacency,
+            points=self.points,
+            areas=self.areas,
+            places=self.geometry.vertices,
+            near=self.adjacency_source == "knn",
+        )
 
     @cached_property
     def unit_points(self) -> FloatArray:

@@ -86,3 +86,37 @@ def summarize_parts(
             moments[k, 1 + j] += first[f, j]
         for j in range(6):
             moments[k, 4 + j] += second[f, j]
+
+
+@kernel
+def summarize_field(
+    labels: Int32Array,
+    weighted: FloatArray,
+    squared: FloatArray,
+    least: FloatArray,
+    greatest: FloatArray,
+    sums: FloatArray,
+) -> None:
+    """Sums and extremes of a field over every part (:mod:`moseg_core.components.field`).
+
+    Parameters
+    ----------
+    labels : (F,) int32
+        Part of each element, 0 to n - 1.
+    weighted, squared : (F,) float
+        Area times value, area times value squared, of each element.
+    least, greatest : (F,) float
+        Of the values in each element; infinite where an element has no area.
+    sums : (n, 4) float, written
+        The two sums, the least and the greatest value.
+    """
+    sums[:, 0] = 0.0
+    sums[:, 1] = 0.0
+    sums[:, 2] = np.inf
+    sums[:, 3] = -np.inf
+    for f in range(labels.shape[0]):
+        k = labels[f]
+        sums[k, 0] += weighted[f]
+        sums[k, 1] += squared[f]
+        sums[k, 2] = min(sums[k, 2], least[f])
+        sums[k, 3] = max(sums[k, 3], greatest[f])

@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from moseg_core.components.discovery.lookup import FoundMeasure
 from moseg_core.components.memo import Memo
 from moseg_core.components.segmentation import Segmentation
 from moseg_core.errors import UsageError
@@ -269,19 +270,19 @@ class Measures:
     def __init__(self):
         self.calls = []
 
-    def __call__(self, name, /):
+    def measure(self, name):
         bare = name.partition(":")[2] or name
 
         def function(part, *, power=1.0):
             self.calls.append((bare, part.n_elements, power))
             return part.area**power
 
-        return f"here:{bare}", function, bare != "tree"
+        return FoundMeasure(id=f"here:{bare}", function=function, keep=bare != "tree")
 
 
 def test_a_measure_is_computed_once_whatever_it_is_called():
     measures = Measures()
-    part, other = parts_of(shapes.cube(), [0, 0, 0, 0, 1, 1], measures=measures)
+    part, other = parts_of(shapes.cube(), [0, 0, 0, 0, 1, 1], lookup=measures)
     assert [part.measure("size"), part.measure("here:size"), part.measure("size")] == [4.0] * 3
     assert part.measure("size", power=2.0) == 16.0
     assert part.measure("size", power=2.0) == 16.0
@@ -294,7 +295,7 @@ def test_what_is_to_be_kept_outlives_the_part_and_the_rest_does_not():
     memo, measures = Memo(), Measures()
 
     def part_of(labels, k):
-        found = Segmentation.from_labels(shape, labels, 3, memo=memo, measures=measures)
+        found = Segmentation.from_labels(shape, labels, 3, memo=memo, lookup=measures)
         return found.parts[k]
 
     for labels, k in (([0, 0, 1, 1, 1, 1], 0), ([2, 2, 0, 1, 0, 1], 2)):
@@ -310,7 +311,7 @@ def test_versions_of_a_shape_do_not_share_values(change):
     shape = Shape.from_mesh(*shapes.cube())
     memo, measures = Memo(), Measures()
     for version in (shape, dataclasses.replace(shape, **change), shape):
-        found = Segmentation.from_labels(version, [0] * 6, 1, memo=memo, measures=measures)
+        found = Segmentation.from_labels(version, [0] * 6, 1, memo=memo, lookup=measures)
         found.parts[0].measure("size")
     assert len(measures.calls) == 2
 
@@ -334,7 +335,7 @@ def test_a_part_measures_the_same_to_the_last_bit_whatever_the_others_are(seed, 
         return [*values, part.box_diagonal, part.measure("size", power=0.3)], part.membership
 
     def parts(labels, memo):
-        return Segmentation.from_labels(shape, labels, 8, memo=memo, measures=Measures()).parts
+        return Segmentation.from_labels(shape, labels, 8, memo=memo, lookup=Measures()).parts
 
     memo = Memo()
     first = bits(parts(labels, memo)[0])
@@ -360,7 +361,7 @@ def test_a_part_does_not_know_its_label():
     assert {"area", "elements", "measure", "triangles"} <= names
     for name in sorted(names - {"memo"}):
         one, two = getattr(first, name), getattr(second, name)
-        if name == "measures" or (callable(one) and name != "shape"):
+        if name == "lookup" or (callable(one) and name != "shape"):
             continue
         assert np.array_equal(one, two), name
 

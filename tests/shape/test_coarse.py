@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from moseg_core.components.discovery.lookup import FoundMeasure
 from moseg_core.components.memo import Memo
 from moseg_core.components.segmentation import Segmentation
 from moseg_core.shape.coarse import coarse_pins, coarsen
@@ -150,12 +151,15 @@ def test_values_are_remembered_apart_from_those_of_input_elements():
     memo, coarse = Memo(), coarsen(BALL, 40)
     calls = []
 
-    def resolve(name):
-        return "a:size", lambda part: calls.append(part) or part.n_elements, True
+    class Sizes:
+        def measure(self, name):
+            return FoundMeasure(
+                id="a:size", function=lambda part: calls.append(part) or part.n_elements, keep=True
+            )
 
     for shape in (BALL, coarse, BALL, coarse):
         labels = np.zeros(shape.n_elements, int)
-        whole = Segmentation.from_labels(shape, labels, 1, memo=memo, measures=resolve)
+        whole = Segmentation.from_labels(shape, labels, 1, memo=memo, lookup=Sizes())
         assert whole.parts[0].measure("size") == BALL.n_elements
     assert len(calls) == 2
 

@@ -8,7 +8,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from moseg_core.shape.part_sums import hash_elements, summarize_parts
+from moseg_core.shape.part_sums import hash_elements, summarize_field, summarize_parts
 from tests.references import membership_hash
 
 HASHES = [
@@ -114,3 +114,18 @@ def test_the_hash_is_the_same_in_every_process():
     published = [0xE220A8397B1DCDAF, 0x6E789E6AA1B965F4, 0x06C45D188009454F, 0xF88BB8A8724C81EC]
     assert hashes_of([0, 1, 2, 3], 4)[:, 0].tolist() == published
     assert hashes_of([1, 0, 0, 1, 2], 3).tolist() == HASHES
+
+
+@given(st.integers(0, 2**32), st.integers(1, 5))
+@settings(max_examples=40, deadline=None)
+def test_field_sums_are_those_of_a_loop_over_parts(seed, n):
+    rng = np.random.default_rng(seed)
+    labels = rng.integers(0, n, 20).astype(np.int32)
+    weighted, squared, least, greatest = rng.integers(-9, 9, (4, 20)).astype(float)
+    sums = np.full((n, 4), 7.0)
+    summarize_field(labels, weighted, squared, least, greatest, sums)
+    for k in range(n):
+        own = labels == k
+        low = least[own].min(initial=np.inf)
+        high = greatest[own].max(initial=-np.inf)
+        assert sums[k].tolist() == [weighted[own].sum(), squared[own].sum(), low, high]

@@ -21,6 +21,7 @@ from moseg_core.components.discovery.specs import (
     CommandSpec,
     ConstraintSpec,
     EmbeddingSpec,
+    FieldSpec,
     Kind,
     LabelerSpec,
     MeasureSpec,
@@ -40,6 +41,7 @@ hookimpl = pluggy.HookimplMarker("moseg")
 HOOKS: dict[str, tuple[Kind, type[Spec]]] = {
     "moseg_objectives": ("objective", ObjectiveSpec),
     "moseg_measures": ("measure", MeasureSpec),
+    "moseg_fields": ("field", FieldSpec),
     "moseg_parameterizations": ("parameterization", ParameterizationSpec),
     "moseg_seeders": ("seeder", SeederSpec),
     "moseg_labelers": ("labeler", LabelerSpec),
@@ -62,6 +64,11 @@ def moseg_objectives() -> Sequence[ObjectiveSpec]:  # type: ignore[empty-body]  
 @hookspec
 def moseg_measures() -> Sequence[MeasureSpec]:  # type: ignore[empty-body]  # a declaration
     """Measures of a part that objectives, also those of other bundles, can share."""
+
+
+@hookspec
+def moseg_fields() -> Sequence[FieldSpec]:  # type: ignore[empty-body]  # a declaration
+    """Fields: a number for each element, of which parts and boundaries have means."""
 
 
 @hookspec

@@ -17,13 +17,13 @@ from __future__ import annotations
 import importlib
 import inspect
 import os
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from importlib import metadata
 from types import ModuleType
-from typing import Any, Protocol, cast
+from typing import Any
 
 import pluggy
 
@@ -36,7 +36,7 @@ from moseg_core.components.discovery.distributions import (
     required_distributions,
 )
 from moseg_core.components.discovery.hookspecs import HOOKS
-from moseg_core.components.discovery.specs import NAME, Kind, MeasureSpec, Spec
+from moseg_core.components.discovery.specs import NAME, Kind, Spec
 from moseg_core.errors import REPORT, MosegError, PluginError, UsageError, nearest, unknown
 
 
@@ -281,40 +281,6 @@ def registry() -> Registry:
         count = "a bundle is" if len(aside) == 1 else f"{len(aside)} bundles are"
         raise PluginError(f"{count} set aside, and MOSEG_STRICT is 1: {' | '.join(aside)}")
     return found
-
-
-class MeasureResolver(Protocol):
-    """Finds the function behind a measure's id, and whether its values may be kept for long."""
-
-    def __call__(self, name: str, /) -> tuple[str, Callable[..., Any], bool]:
-        """(full id, function of a part, whether to keep values beyond the part's life)."""
-        ...
-
-
-def measure_resolver(source: Registry | None = None) -> MeasureResolver:
-    """A function that finds measures by name, each loaded once and blamed where it fails."""
-    found: dict[str, tuple[str, Callable[..., Any], bool]] = {}
-
-    def resolve(name: str, /) -> tuple[str, Callable[..., Any], bool]:
-        if name not in found:
-            component = (registry() if source is None else source).find("measure", name)
-            if component.id not in found:
-                spec = cast(MeasureSpec, component.spec)
-                found[component.id] = component.id, _blamed(component, component.load()), spec.keep
-            found[name] = found[component.id]
-        return found[name]
-
-    return resolve
-
-
-def _blamed(component: Component, function: Callable[..., Any]) -> Callable[..., Any]:
-    """A measure that is named where it fails, whichever objective had asked for it."""
-
-    def measure(part: Any, /, **parameters: Any) -> Any:
-        with component.guard():
-            return function(part, **parameters)
-
-    return measure
 
 
 def discover(

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from typing import ClassVar, Literal
+from typing import ClassVar, Literal, get_args
 
 NAME = re.compile(r"[a-z][a-z0-9_]*\Z")
 _SUFFIX = re.compile(r"\.[^A-Z\s/]+\Z")
@@ -18,6 +18,7 @@ TARGET = re.compile(r"[A-Za-z_][\w.]*:[A-Za-z_]\w*\Z")
 Kind = Literal[
     "objective",
     "measure",
+    "field",
     "parameterization",
     "seeder",
     "labeler",
@@ -29,6 +30,12 @@ Kind = Literal[
     "writer",
     "command",
 ]
+
+Requirement = Literal["volume", "adjacency", "surface"]
+"""What a component can ask of a shape; see :class:`moseg_core.Traits`."""
+
+Invariance = Literal["rigid", "scale", "reflection", "order", "tessellation", "labels"]
+"""What can leave the values of a component unchanged; see :class:`moseg_core.Traits`."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -93,6 +100,50 @@ class MeasureSpec(Spec):
     kind = "measure"
 
     keep: bool = True
+
+
+@dataclass(frozen=True, kw_only=True)
+class FieldSpec(Spec):
+    """A number for each element: target is a function of a shape and the field's own parameters.
+
+    Parameters
+    ----------
+    requires : tuple of {"volume", "adjacency", "surface"}
+        What the shape must have; others are refused by name before the search.
+    invariant_to : tuple of str
+        What leaves the value of an element unchanged: "rigid" motions, uniform "scale",
+        "reflection", the "order" of the elements, their "tessellation" within a tolerance.
+
+    Raises
+    ------
+    ValueError
+        Another requirement or invariance.
+
+    Examples
+    --------
+    >>> FieldSpec(name="height", target="my_package.fields:height", requires=("volumes",))
+    Traceback (most recent call last):
+        ...
+    ValueError: field 'height' requires 'volumes'; known are volume, adjacency, surface
+    """
+
+    kind = "field"
+
+    requires: tuple[Requirement, ...] = ()
+    invariant_to: tuple[Invariance, ...] = ()
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for verb, given, known in (
+            ("requires", self.requires, get_args(Requirement)),
+            ("is invariant to", self.invariant_to, get_args(Invariance)),
+        ):
+            for word in (given,) if isinstance(given, str) else given:
+                if word not in known or isinstance(given, str):
+                    raise ValueError(
+                        f"field '{self.name}' {verb} {word!r}; known are {', '.join(known)}"
+                        + (", in a tuple" if isinstance(given, str) else "")
+                    )
 
 
 class ParameterizationSpec(Spec):

@@ -19,8 +19,8 @@ from typing import Any, get_args
 
 from moseg_core.components import protocols
 from moseg_core.components.discovery.registry import describe
-from moseg_core.components.discovery.specs import Kind
-from moseg_core.components.objectives import COST_ORDER, Arity, Invariance, Requirement, Traits
+from moseg_core.components.discovery.specs import Invariance, Kind, Requirement
+from moseg_core.components.objectives import COST_ORDER, Arity, Traits
 from moseg_core.components.parameters import Parameter
 from moseg_core.problem.recipe import load_recipe
 from moseg_core.testing.check import ContractFailure, Skip, Subject, check

@@ -14,7 +14,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from moseg_core.components.objectives import Invariance
+from moseg_core.components.discovery.specs import Invariance
 from moseg_core.components.protocols import Objective
 from moseg_core.shape.shape import Shape
 from moseg_core.testing.check import ContractFailure, Skip, Subject, check

@@ -11,7 +11,6 @@ from moseg_core.components.discovery.registry import (
     Bundle,
     Component,
     Registry,
-    measure_resolver,
     registry,
 )
 from moseg_core.components.discovery.specs import MeasureSpec, ObjectiveSpec, ReaderSpec, WriterSpec
@@ -278,28 +277,6 @@ def test_a_component_that_cannot_be_loaded_names_its_distribution(good, source, 
     assert reason in message
     assert "; update or reinstall " in message
     assert "\n" not in message
-
-
-def test_measures_are_resolved_to_functions_once(good, monkeypatch):
-    (good.folder / "good_parts.py").write_text("def girth(part): return 1.0\n")
-    found = good.discover()
-    loads = []
-    load = Component.load
-    monkeypatch.setattr(Component, "load", lambda self: (loads.append(self.id), load(self))[1])
-    resolve = measure_resolver(found)
-    name, function, keep = resolve("girth")
-    assert (name, function(None), keep) == ("good:girth", 1.0, False)
-    assert resolve("girth") == (name, function, keep)
-    assert loads == ["good:girth"]
-    assert resolve("good:girth") == (name, function, keep)
-
-
-def test_measures_that_are_not_there():
-    resolve = measure_resolver(TWO)
-    with pytest.raises(UsageError, match="unknown measure 'slam'; did you mean 'slim'"):
-        resolve("slam")
-    with pytest.raises(PluginError, match="measure 'broken:x' is not available"):
-        resolve("broken:x")
 
 
 def test_the_core_is_a_bundle_like_others_and_all_its_components_load():

@@ -1,0 +1,133 @@
+"""Measures and fields by name: what objectives share, whichever bundle it comes from.
+
+An objective asks for a measure of a part, ``part.measure("basic:hull_volume")``, or for a field,
+``part.field("basic:thickness")``. A :class:`Lookup` finds the function behind the name, loads it
+once, and blames it by its own name where it fails, whichever objective had asked for it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, cast
+
+from moseg_core.components.discovery.registry import Component, Registry, registry
+from moseg_core.components.discovery.specs import FieldSpec, Kind, MeasureSpec, Requirement
+
+
+@dataclass(frozen=True, kw_only=True)
+class FoundMeasure:
+    """A measure that was found by name.
+
+    Parameters
+    ----------
+    id : str
+        ``bundle:name``.
+    function : callable
+        Of a part and the measure's own parameters.
+    keep : bool
+        Whether values are kept beyond the part's life.
+    """
+
+    id: str
+    function: Callable[..., Any]
+    keep: bool
+
+
+@dataclass(frozen=True, kw_only=True)
+class FoundField:
+    """A field that was found by name.
+
+    Parameters
+    ----------
+    id : str
+        ``bundle:name``.
+    source : str
+        The distribution and the target: what tells it from another of the same id.
+    function : callable
+        Of a shape and the field's own parameters.
+    requires : tuple of {"volume", "adjacency", "surface"}
+        What the shape must have.
+    """
+
+    id: str
+    source: str
+    function: Callable[..., Any]
+    requires: tuple[Requirement, ...]
+
+
+class Lookup:
+    """Finds measures and fields; each is loaded once.
+
+    Parameters
+    ----------
+    source : Registry, optional
+        Where to look; everything installed by default.
+
+    Examples
+    --------
+    >>> Lookup().measure("basic:hull_volume").id
+    'basic:hull_volume'
+    """
+
+    def __init__(self, source: Registry | None = None) -> None:
+        self._source = source
+        self._measures: dict[str, FoundMeasure] = {}
+        self._fields: dict[str, FoundField] = {}
+
+    def measure(self, name: str) -> FoundMeasure:
+        """The measure of a name.
+
+        Raises
+        ------
+        UsageError
+            No installed bundle has it, or several have; names the nearest.
+        PluginError
+            Its bundle is broken.
+        """
+        if name not in self._measures:
+            component = self._found("measure", name)
+            if component.id not in self._measures:
+                self._measures[component.id] = FoundMeasure(
+                    id=component.id,
+                    function=_named_on_failure(component),
+                    keep=cast(MeasureSpec, component.spec).keep,
+                )
+            self._measures[name] = self._measures[component.id]
+        return self._measures[name]
+
+    def field(self, name: str) -> FoundField:
+        """The field of a name.
+
+        Raises
+        ------
+        UsageError
+            No installed bundle has it, or several have; names the nearest.
+        PluginError
+            Its bundle is broken.
+        """
+        if name not in self._fields:
+            component = self._found("field", name)
+            if component.id not in self._fields:
+                self._fields[component.id] = FoundField(
+                    id=component.id,
+                    source=f"{component.distribution} {component.spec.target}",
+                    function=_named_on_failure(component),
+                    requires=cast(FieldSpec, component.spec).requires,
+                )
+            self._fields[name] = self._fields[component.id]
+        return self._fields[name]
+
+    def _found(self, kind: Kind, name: str) -> Component:
+        return (registry() if self._source is None else self._source).find(kind, name)
+
+
+def _named_on_failure(component: Component) -> Callable[..., Any]:
+    """The function of a component that is named where it fails, whoever had asked for it."""
+    function = component.load()
+
+    def called(subject: Any, /, **parameters: Any) -> Any:
+        with component.guard():
+            return function(subject, **parameters)
+
+    return called

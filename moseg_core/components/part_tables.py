@@ -1,0 +1,115 @@
+"""What the parts of one labelling share: fields and boundaries, a table each, made when asked for.
+
+Of a field or a boundary one pass over the elements or links says what there is to say of all
+parts, for little more than it costs to say it of one. The first part that is asked makes the
+table, the others read their row.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from moseg_core.components.boundary import Boundaries, Boundary
+from moseg_core.components.discovery.lookup import Lookup
+from moseg_core.components.field import FieldSummary, field_key, field_sums, link_values
+from moseg_core.errors import MosegError
+from moseg_core.shape.shape import Shape
+from moseg_core.types import FloatArray, Int32Array, frozen
+
+
+class PartTables:
+    """Tables of fields and boundaries, with a row for each part.
+
+    Parameters
+    ----------
+    level : Shape
+    labels : (F of `level`,) int32
+    areas : (n,) float
+        Of the parts.
+    lookup : Lookup
+        Where fields are found.
+    """
+
+    def __init__(self, level: Shape, labels: Int32Array, areas: FloatArray, lookup: Lookup) -> None:
+        self._level = level
+        self._labels = labels
+        self._areas = areas
+        self._lookup = lookup
+        self._fields: dict[Hashable, list[FieldSummary]] = {}
+        self._along: dict[Hashable, tuple[FloatArray, FloatArray]] = {}
+
+    def field(self, name: str, parameters: dict[str, Any]) -> list[FieldSummary]:
+        """A field's summary over every part."""
+        asked = (name, *parameters.items())
+        if asked not in self._fields:
+            from moseg_core.shape.part_sums import summarize_field
+
+            sums = field_sums(self._level, self._lookup.field(name), parameters)
+            rows = np.empty((len(self._areas), 4))
+            summarize_field(
+                self._labels, sums.weighted, sums.squared, sums.least, sums.greatest, rows
+            )
+            found = sums.summarize(self._areas, rows)
+            self._fields[asked] = [FieldSummary._make(row) for row in found.tolist()]
+        return self._fields[asked]
+
+    def boundary(self, part: int) -> Boundary:
+        """The boundary of a part with all others."""
+        return Boundary(
+            length=float(self._lengths[0][part]),
+            _along=lambda name, **parameters: float(self._integrals(name, parameters)[0][part]),
+        )
+
+    def between(self, first: int, second: int) -> Boundary:
+        """The boundary between two parts."""
+        return Boundary(
+            length=float(self._lengths[1][first, second]),
+            _along=lambda name, **parameters: float(
+                self._integrals(name, parameters)[1][first, second]
+            ),
+        )
+
+    @cached_property
+    def boundaries(self) -> Boundaries:
+        """The boundaries between all parts."""
+        return Boundaries(
+            lengths=self._lengths[1],
+            _along=lambda name, **parameters: self._integrals(name, parameters)[1],
+        )
+
+    @cached_property
+    def _lengths(self) -> tuple[FloatArray, FloatArray]:
+        return self._summed(self._level.links.lengths)
+
+    def _integrals(self, name: str, parameters: dict[str, Any]) -> tuple[FloatArray, FloatArray]:
+        """Of a field along boundaries: (n,) of each part, (n, n) of each two."""
+        found = self._lookup.field(name)
+        key = field_key(found, parameters)
+        if key not in self._along:
+            self._along[key] = self._summed(link_values(self._level, found, parameters))
+        return self._along[key]
+
+    def _summed(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+        from moseg_core.shape.boundary_sums import sum_boundaries
+
+        n, links = len(self._areas), self._level.links
+        whole, between = np.empty(n), np.empty((n, n))
+        sum_boundaries(self._labels, links.first, links.second, values, whole, between)
+        return frozen(whole), frozen(between)
+
+
+def pair_of_one_labelling(first: PartTables, second: PartTables) -> PartTables:
+    """The tables of two parts, which must be of one labelling.
+
+    Raises
+    ------
+    MosegError
+        They are of two.
+    """
+    if first is not second:
+        raise MosegError("parts of two segmentations have no boundary with each other")
+    return first
