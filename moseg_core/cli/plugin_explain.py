@@ -23,6 +23,7 @@ from moseg_core.components.explanation import (
     span,
 )
 from moseg_core.errors import PluginError, UsageError, unknown
+from moseg_core.language import Target
 
 #: Sections of a docstring that are shown, under these titles.
 _SHOWN = {"Returns": "value", "Raises": "raises", "Notes": "notes", "References": "references"}
@@ -154,7 +155,7 @@ def _document(explained: Explained) -> dict[str, Any]:
                 "type": parameter.type.__name__,
                 "required": parameter.required,
                 "optional": parameter.optional,
-                "default": parameter.default,
+                "default": _plain(parameter.default),
                 "low": _finite(parameter.interval.low),
                 "high": _finite(parameter.interval.high),
                 "says": explained.said.get(parameter.name, ""),
@@ -172,6 +173,11 @@ def _document(explained: Explained) -> dict[str, Any]:
             "cost": traits.cost,
         },
     }
+
+
+def _plain(value: Any) -> Any:
+    """The value of a parameter as JSON can say it: a target as it is written."""
+    return str(value) if isinstance(value, Target) else value
 
 
 def _finite(number: float) -> float | None:

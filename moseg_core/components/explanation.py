@@ -19,6 +19,7 @@ from moseg_core.components.discovery.registry import Component
 from moseg_core.components.objectives import Traits
 from moseg_core.components.parameters import Parameter, declared_parameters
 from moseg_core.errors import PluginError
+from moseg_core.language import Target
 from moseg_core.language.terms import format_value
 
 #: Kinds whose targets take parameters.
@@ -160,10 +161,17 @@ def bounds(parameter: Parameter) -> str:
     >>> bounds(Parameter(name="n", type=int, interval=Interval(1), optional=True))
     'whole number, 1 or more, or none'
     """
-    kinds = {int: "whole number", float: "number", bool: "0 or 1", str: "text"}
+    kinds = {
+        int: "whole number",
+        float: "number",
+        bool: "0 or 1",
+        str: "text",
+        Target: "a target such as 0.06+-0.02",
+    }
     words = kinds[parameter.type]
-    if parameter.type in (int, float) and str(parameter.interval) != "any number":
-        words += f", {parameter.interval}"
+    if str(parameter.interval) != "any number":
+        value = " its value" if parameter.type is Target else ""
+        words += f",{value} {parameter.interval}"
     return f"{words}, or none" if parameter.optional else words
 
 
@@ -181,7 +189,7 @@ def default(parameter: Parameter) -> str:
         return "must be given"
     if parameter.default is None:
         return "none"
-    if parameter.type is str:
+    if parameter.type in (str, Target):
         return format_value(parameter.default)
     return f"{parameter.default:g}"
 

@@ -5,6 +5,12 @@ it. Their defaults and annotations are the declaration, bounds included::
 
     def area_fraction(part, *, most: Annotated[float, Interval(0, 1)] = 1.0): ...
 
+A quantity of which people know what is usual is declared as a
+:class:`~moseg_core.language.target.Target` and given as ``area=0.06+-0.02``; an Interval then
+bounds its value::
+
+    def size(part, *, area: Annotated[Target | None, Interval(0, 1)] = None): ...
+
 From that one place come the check of ``key=value`` in an expression or a recipe, the defaults,
 and what the documentation shows.
 """
@@ -17,12 +23,22 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
-from moseg_core.errors import UsageError, unknown
+from moseg_core.errors import ExpressionError, UsageError, unknown
+from moseg_core.language import Target, parse_target
+
+KINDS: dict[type, str] = {
+    float: "a number",
+    int: "a number",
+    bool: "true or false",
+    str: "a word",
+    Target: "a target",
+}
+"""The types that a parameter can have, as users are told."""
 
 
 @dataclass(frozen=True)
 class Interval:
-    """Closed bounds of a numeric parameter, for use in ``Annotated``.
+    """Closed bounds of a number, or of a target's value, for use in ``Annotated``.
 
     Examples
     --------
@@ -54,11 +70,11 @@ class Parameter:
     ----------
     name : str
     type : type
-        ``float``, ``int``, ``bool`` or ``str``.
+        ``float``, ``int``, ``bool``, ``str`` or :class:`~moseg_core.Target`.
     default : object or None
         None where a value must be given, or where None is the default.
     interval : Interval
-        Allowed values of a number.
+        Allowed values of a number; of a target, those of its value.
     required : bool
     optional : bool
         Whether None is allowed.
@@ -75,32 +91,52 @@ class Parameter:
         """The value in the declared type, or a UsageError that names `owner` and parameter."""
         if value is None and self.optional:
             return None
+        if self.type is Target:
+            value = self._target(value, owner)
+            self._check_number(value.value, owner)
+            return value
+        if isinstance(value, Target):
+            raise self._must_be(owner, f"the target {value}")
         if self.type in (int, float):
             if isinstance(value, bool) or not isinstance(value, (int, float)):
-                raise UsageError(
-                    f"{owner}: parameter '{self.name}' must be a number, not {value!r}"
-                )
-            if not math.isfinite(value):
-                raise UsageError(f"{owner}: parameter '{self.name}' must be finite, not {value}")
-            if self.type is int and value != int(value):
-                raise UsageError(f"{owner}: parameter '{self.name}' must be whole, not {value:g}")
-            if value not in self.interval:
-                raise UsageError(
-                    f"{owner}: parameter '{self.name}' is {value:g}; allowed is {self.interval}"
-                )
+                raise self._must_be(owner, repr(value))
+            self._check_number(value, owner)
         elif self.type is bool:
             if value not in (0, 1):
-                raise UsageError(
-                    f"{owner}: parameter '{self.name}' must be true or false, not {value!r}"
-                )
+                raise self._must_be(owner, repr(value))
         elif not isinstance(value, str):
             plain = value is None or isinstance(value, (int, float))
             word = str(value).lower()  # as it was written: true, none
             advice = f'; in quotes it is one: {self.name}="{word}"' if plain else ""
-            raise UsageError(
-                f"{owner}: parameter '{self.name}' must be a word, not {value!r}{advice}"
-            )
+            raise self._must_be(owner, f"{value!r}{advice}")
         return self.type(value)
+
+    def _target(self, value: Any, owner: str) -> Target:
+        if isinstance(value, Target):
+            return value
+        if isinstance(value, str):  # the tables of TOML have no targets
+            try:
+                return parse_target(value)
+            except ExpressionError as error:
+                raise self._must_be(owner, f"{value!r}; {_ADVICE}") from error
+        raise self._must_be(owner, f"{value!r}; {_ADVICE}")
+
+    def _check_number(self, value: float, owner: str) -> None:
+        if not math.isfinite(value):
+            raise UsageError(f"{owner}: parameter '{self.name}' must be finite, not {value}")
+        if self.type is int and value != int(value):
+            raise UsageError(f"{owner}: parameter '{self.name}' must be whole, not {value:g}")
+        if value not in self.interval:
+            raise UsageError(
+                f"{owner}: parameter '{self.name}' is {value:g}; allowed is {self.interval}"
+            )
+
+    def _must_be(self, owner: str, found: str) -> UsageError:
+        kind = KINDS[self.type]
+        return UsageError(f"{owner}: parameter '{self.name}' must be {kind}, not {found}")
+
+
+_ADVICE = "write 0.06+-0.02: a typical value and how far from it is still usual"
 
 
 def declared_parameters(
@@ -117,8 +153,8 @@ def declared_parameters(
     Raises
     ------
     TypeError
-        A parameter whose type is none of float, int, bool and str, or whose annotation names
-        something that does not exist; an object without a signature.
+        A parameter whose type is none of float, int, bool, str and Target, or whose annotation
+        names something that does not exist; an object without a signature.
 
     Examples
     --------
@@ -139,10 +175,10 @@ def declared_parameters(
         required = parameter.default is inspect.Parameter.empty
         annotation = hints.get(parameter.name, float if required else type(parameter.default))
         kind, interval, optional = _read_annotation(annotation)
-        if kind not in (float, int, bool, str):
+        if kind not in KINDS:
             raise TypeError(
                 f"parameter '{parameter.name}' of {getattr(target, '__name__', target)!r} must be"
-                f" annotated as float, int, bool or str, not {annotation!r}"
+                f" annotated as float, int, bool, str or Target, not {annotation!r}"
             )
         found.append(
             Parameter(

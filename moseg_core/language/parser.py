@@ -10,8 +10,9 @@ import math
 from dataclasses import replace
 
 from moseg_core.errors import ExpressionError
+from moseg_core.language.target import Target
 from moseg_core.language.terms import LITERALS, Argument, Expression, Term, Value, is_word
-from moseg_core.language.tokens import Token, tokenize, unquoted
+from moseg_core.language.tokens import GIVE_OR_TAKE, Token, tokenize, unquoted
 
 
 def parse(text: str) -> Expression:
@@ -75,6 +76,22 @@ def parse_call(text: str, *, labels: bool = False) -> Term:
     return _Parser(text, labels=labels).lone_call()
 
 
+def parse_target(text: str) -> Target:
+    """Read a target by itself, as a recipe's table has it: ``{ size = "0.06+-0.02" }``.
+
+    Raises
+    ------
+    ExpressionError
+        Anything else.
+
+    Examples
+    --------
+    >>> parse_target("-0.5 ± 0.1")
+    Target(value=-0.5, spread=0.1)
+    """
+    return _Parser(text).lone_target()
+
+
 class _Parser:
     """The state of one parse: the tokens and the place reached.
 
@@ -100,6 +117,14 @@ class _Parser:
         if not self.at_end:
             self.fail("the end")
         return term
+
+    def lone_target(self) -> Target:
+        value = self.value()
+        if not isinstance(value, Target):
+            raise ExpressionError("expected a target such as 0.06+-0.02", self.text, 0)
+        if not self.at_end:
+            self.fail("the end")
+        return value
 
     def sign(self, *, optional: bool) -> float:
         if self.peek.text in ("+", "-"):
@@ -202,8 +227,24 @@ class _Parser:
         if self.peek.text in ("+", "-"):
             negative = self.take().text == "-"
             value = self.number("a number")
-            return -value if negative else value
-        return self.number("a number or a word")
+            return self.give_or_take(-value if negative else value)
+        return self.give_or_take(self.number("a number or a word"))
+
+    def give_or_take(self, value: float) -> Value:
+        """The value by itself, or the target that it begins."""
+        if self.peek.text not in GIVE_OR_TAKE:
+            return value
+        sign = self.take().text
+        token = self.peek
+        spread = self.number(f"the spread of a target after '{sign}', a positive number")
+        if spread == 0:
+            raise ExpressionError(
+                f"the spread of a target must be positive; write how far from {value:g} is still"
+                " usual",
+                self.text,
+                *_span(token),
+            )
+        return Target(value, spread)
 
     def number(self, what: str = "a number") -> float:
         """The number here: an int where it is written as one, which may be exact beyond 2^53."""

@@ -10,12 +10,13 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from numbers import Integral, Real
+from numbers import Real
 
-from moseg_core.language.tokens import quoted
+from moseg_core.language.target import Target
+from moseg_core.language.tokens import format_number, quoted
 
-Value = float | str | None
-"""Of a parameter: a number (int and bool are some), a word, or nothing."""
+Value = float | str | Target | None
+"""Of a parameter: a number (int and bool are some), a word, a target, or nothing."""
 
 LITERALS: dict[str, Value] = {"true": True, "false": False, "none": None}
 """Words that mean themselves only in quotes."""
@@ -64,7 +65,7 @@ class Term:
     name : str
         As written: ``narrow`` or ``basic:narrow``.
     arguments : tuple of Argument
-    parameters : tuple of (str, float, str or None)
+    parameters : tuple of (str, float, str, Target or None)
         In the order written.
     weight : float
         With the sign that the term has in the sum.
@@ -147,27 +148,14 @@ def format_value(value: object) -> str:
 
     Examples
     --------
-    >>> [format_value(value) for value in (2.0, "exact", "1.5", "none", None)]
-    ['2', 'exact', '"1.5"', '"none"', 'none']
+    >>> [format_value(value) for value in (2.0, "exact", "1.5", "none", None, Target(2, 0.5))]
+    ['2', 'exact', '"1.5"', '"none"', 'none', '2+-0.5']
     """
     if value is None:
         return "none"
     if isinstance(value, Real):
         return format_number(value)
+    if isinstance(value, Target):
+        return str(value)
     word = str(value)
     return word if is_word(word) and word not in LITERALS else quoted(word)
-
-
-def format_number(value: Real | float) -> str:
-    """The shortest text that reads back as the same number; a truth value as 1 or 0.
-
-    Examples
-    --------
-    >>> format_number(3.0), format_number(0.1), format_number(1e-6), format_number(2**60 + 1)
-    ('3', '0.1', '1e-06', '1152921504606846977')
-    """
-    if isinstance(value, Integral):
-        return str(int(value))
-    text = repr(float(value))
-    # Without its point -0.0 would be read as a whole number, which has no sign there.
-    return text[:-2] if text.endswith(".0") and text != "-0.0" else text

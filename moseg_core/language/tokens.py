@@ -2,15 +2,18 @@
 
 The one subtlety is ``*``: between a number and a name it multiplies, inside parentheses it is
 always part of a glob, so that ``10*narrow(leg*)`` means what it looks like. The tokenizer
-therefore counts parentheses. Between double quotes every character stands for itself, but for
-the quote and the backslash, which a backslash announces; :func:`quoted` and :func:`unquoted` are
-the two directions. The characters ``/ { } ..`` are reserved for later.
+therefore counts parentheses. After a number ``+-`` is one sign, as ``±`` is everywhere. Between
+double quotes every character stands for itself, but for the quote and the backslash, which a
+backslash announces; :func:`quoted` and :func:`unquoted` are the two directions, and
+:func:`format_number` is the way back of numbers. The characters ``/ { } ..`` are reserved for
+later.
 """
 
 from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from numbers import Integral, Real
 from typing import Literal
 
 from moseg_core.errors import ExpressionError
@@ -24,6 +27,9 @@ _GLOB = re.compile(r"[\w*]+", re.ASCII)
 _OPEN_QUOTATION = re.compile(r'"(?:[^"\\]|\\["\\])*')
 _ESCAPED = re.compile(r'\\(["\\])')
 _RESERVED = re.compile(r"\.\.|[/{}]")
+
+GIVE_OR_TAKE = ("+-", "±")
+"""What stands between the value of a target and its spread."""
 
 
 @dataclass(frozen=True)
@@ -62,9 +68,12 @@ def tokenize(text: str) -> list[Token]:
         if at == len(text):
             tokens.append(Token("end", "", at))
             return tokens
-        token = _token_at(text, at, inside=depth > 0, value=value_next)
+        if text.startswith("+-", at) and tokens and tokens[-1].kind == "number":
+            token = Token("symbol", "+-", at)
+        else:
+            token = _token_at(text, at, inside=depth > 0, value=value_next)
         depth += {"(": 1, ")": -1}.get(token.text, 0)
-        value_next = token.text == "=" or (value_next and token.text in "+-")
+        value_next = token.text in ("=", *GIVE_OR_TAKE) or (value_next and token.text in "+-")
         tokens.append(token)
         at = token.stop
 
@@ -84,7 +93,7 @@ def _token_at(text: str, at: int, *, inside: bool, value: bool) -> Token:
         raise ExpressionError(
             f"'{reserved.group()}' is reserved for later versions", text, at, reserved.end()
         )
-    if text[at] in "+-*(),=:@":
+    if text[at] in "+-*(),=:@±":
         return Token("symbol", text[at], at)
     raise ExpressionError(f"unexpected character {text[at]!r}", text, at)
 
@@ -122,3 +131,18 @@ def unquoted(text: str) -> str:
     12" pipe
     """
     return _ESCAPED.sub(r"\1", text[1:-1])
+
+
+def format_number(value: Real | float) -> str:
+    """The shortest text that reads back as the same number; a truth value as 1 or 0.
+
+    Examples
+    --------
+    >>> format_number(3.0), format_number(0.1), format_number(1e-6), format_number(2**60 + 1)
+    ('3', '0.1', '1e-06', '1152921504606846977')
+    """
+    if isinstance(value, Integral):
+        return str(int(value))
+    text = repr(float(value))
+    # Without its point -0.0 would be read as a whole number, which has no sign there.
+    return text[:-2] if text.endswith(".0") and text != "-0.0" else text

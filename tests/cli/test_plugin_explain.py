@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 
 from moseg_core.components.discovery.registry import registry
 
@@ -67,6 +68,33 @@ def test_explain_everything_that_is_installed(moseg):
         assert all(entry["headline"] for entry in told)
         for parameter in [p for entry in told for p in entry["parameters"]]:
             assert parameter["says"], f"'{parameter['name']}' of {component.id} is not documented"
+
+
+def test_targets_are_told_in_words(site, moseg, monkeypatch):
+    site.add(
+        "moseg-sizes",
+        bundles={"sizes": "sizes_bundle"},
+        sizes_bundle="""
+            from typing import Annotated
+
+            from moseg_core import Interval, ObjectiveSpec, Part, Target, hookimpl, objective
+
+            @hookimpl
+            def moseg_objectives():
+                return [ObjectiveSpec(name="sized", target="sizes_bundle:sized")]
+
+            @objective()
+            def sized(part: Part, *, area: Annotated[Target, Interval(0, 1)] = Target(0.06, 0.02)):
+                "Small where it has the usual size."
+        """,
+    )
+    module = sys.modules["moseg_core.cli.plugin_explain"]
+    monkeypatch.setattr(module, "registry", site.discover)
+    text = " ".join(moseg("plugin", "explain", "sized").out.split())
+    assert "area = 0.06+-0.02 a target such as 0.06+-0.02, its value 0 to 1" in text
+    (told,) = json.loads(moseg("plugin", "explain", "sized", "--json").out)
+    (parameter,) = told["parameters"]
+    assert (parameter["type"], parameter["default"]) == ("Target", "0.06+-0.02")
 
 
 def test_explain_says_what_is_near(moseg):

@@ -13,6 +13,7 @@ from moseg_core.builtin.pattern_search import PatternSearch
 from moseg_core.components.chosen import Choice, prepare
 from moseg_core.components.discovery.registry import registry
 from moseg_core.errors import ExpressionError, PluginError, ShapeError, UsageError
+from moseg_core.language import Target
 
 
 @pytest.mark.parametrize(
@@ -56,6 +57,7 @@ def test_malformed_texts(text):
             st.booleans(),
             st.none(),
             st.text(),
+            st.builds(Target, st.integers(-9, 9), st.floats(1e-9, 1e9)),
             st.sampled_from(["a b", "1.5", "x,y", "", "tête", 'say "it"', "C:\\x", "true", "none"]),
         ),
         max_size=3,

@@ -13,6 +13,7 @@ from moseg_core.components.explanation import (
 )
 from moseg_core.components.parameters import Interval, Parameter
 from moseg_core.errors import PluginError
+from moseg_core.language import Target
 
 DOCSTRING = """Small where it is long:
     in one line or two.
@@ -67,6 +68,16 @@ def test_docstrings_are_taken_apart():
         (Parameter(name="p", type=str, default="auto"), "text", "auto"),
         (Parameter(name="p", type=bool, default=False), "0 or 1", "0"),
         (Parameter(name="p", type=int, optional=True), "whole number, or none", "none"),
+        (
+            Parameter(name="p", type=Target, default=Target(6, 2)),
+            "a target such as 0.06+-0.02",
+            "6+-2",
+        ),
+        (
+            Parameter(name="p", type=Target, interval=Interval(0, 1), optional=True),
+            "a target such as 0.06+-0.02, its value 0 to 1, or none",
+            "none",
+        ),
     ],
 )
 def test_parameters_in_words(parameter, allowed, unless_given):

@@ -18,7 +18,9 @@ from moseg_core.components.parameters import (
     declared_parameters,
 )
 from moseg_core.errors import UsageError
+from moseg_core.language import Target
 
+TARGET_ADVICE = "write 0.06+-0.02: a typical value and how far from it is still usual"
 REALS = st.floats(allow_nan=False, allow_infinity=False)
 
 
@@ -59,6 +61,9 @@ def everything(
     mode: str = "fast",
     bare=2.5,
     whole=2,
+    size: Annotated[Target | None, Interval(0, 1)] = None,
+    height: Target = Target(2, 0.5),
+    slope=Target(0, 1),
     free,
     **rest: float,
 ) -> float:
@@ -75,6 +80,9 @@ def test_declarations_are_read_from_keyword_only_arguments():
         Parameter(name="mode", type=str, default="fast"),
         Parameter(name="bare", type=float, default=2.5),
         Parameter(name="whole", type=int, default=2),
+        Parameter(name="size", type=Target, interval=Interval(0, 1), optional=True),
+        Parameter(name="height", type=Target, default=Target(2, 0.5)),
+        Parameter(name="slope", type=Target, default=Target(0, 1)),
         Parameter(name="free", type=float, required=True),
     )
 
@@ -139,6 +147,9 @@ def test_other_types_are_refused_by_name(target):
         (bool, True, True),
         (bool, False, False),
         (str, "fast", "fast"),
+        (Target, Target(0.06, 0.02), Target(0.06, 0.02)),
+        (Target, "0.06+-0.02", Target(0.06, 0.02)),  # as the table of a recipe has it
+        (Target, " -6 ± 2 ", Target(-6, 2)),
     ],
 )
 def test_values_come_back_in_the_declared_type(kind, value, result):
@@ -164,6 +175,16 @@ def test_values_come_back_in_the_declared_type(kind, value, result):
         (str, True, 'must be a word, not True; in quotes it is one: k="true"'),
         (str, None, 'must be a word, not None; in quotes it is one: k="none"'),
         (str, ["a"], "must be a word, not ['a']"),
+        (float, Target(0.06, 0.02), "must be a number, not the target 0.06+-0.02"),
+        (int, Target(6, 2), "must be a number, not the target 6+-2"),
+        (bool, Target(0, 1), "must be true or false, not the target 0+-1"),
+        (str, Target(0, 1), "must be a word, not the target 0+-1"),
+        (Target, 0.06, f"must be a target, not 0.06; {TARGET_ADVICE}"),
+        (Target, True, f"must be a target, not True; {TARGET_ADVICE}"),
+        (Target, None, f"must be a target, not None; {TARGET_ADVICE}"),
+        (Target, "small", f"must be a target, not 'small'; {TARGET_ADVICE}"),
+        (Target, "1+-0", f"must be a target, not '1+-0'; {TARGET_ADVICE}"),
+        (Target, [1, 2], f"must be a target, not [1, 2]; {TARGET_ADVICE}"),
     ],
 )
 def test_values_of_another_type_are_refused(kind, value, complaint):
@@ -191,6 +212,16 @@ def test_values_out_of_bounds_are_refused_with_the_bounds(value, shown):
 @pytest.mark.parametrize("value", [0, 1, 0.5])
 def test_the_bounds_themselves_are_allowed(value):
     assert Parameter(name="k", type=float, interval=Interval(0, 1)).check(value, "'f'") == value
+
+
+def test_bounds_of_a_target_are_those_of_its_value():
+    parameter = Parameter(name="k", type=Target, interval=Interval(0, 1), optional=True)
+    for target in (Target(0, 5), Target(1, 0.5)):
+        assert parameter.check(target, "'f'") == target
+    assert parameter.check(None, "'f'") is None
+    with pytest.raises(UsageError) as caught:
+        parameter.check(Target(1.5, 2), "'f'")
+    assert str(caught.value) == "'f': parameter 'k' is 1.5; allowed is 0 to 1"
 
 
 def test_none_is_a_value_where_it_is_declared():

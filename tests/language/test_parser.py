@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 import moseg_core.language
 from moseg_core.errors import ExpressionError
-from moseg_core.language import Argument, Expression, Term, parse, parse_call
+from moseg_core.language import Argument, Expression, Target, Term, parse, parse_call, parse_target
 from moseg_core.language.tokens import tokenize
 
 NAMES = st.from_regex(r"[A-Za-z_][A-Za-z0-9_]{0,6}", fullmatch=True)
@@ -39,7 +39,12 @@ TRICKY = [
 ]
 WORDS = st.one_of(NAMES, st.sampled_from(TRICKY), st.text())
 INTEGERS = st.integers(-(10**300), 10**300)
-VALUES = st.one_of(NUMBERS, st.sampled_from([1e-300, -1e-300]), INTEGERS, WORDS, st.none())
+TARGETS = st.builds(
+    Target,
+    st.one_of(NUMBERS, INTEGERS),
+    st.floats(0, exclude_min=True, allow_infinity=False),
+)
+VALUES = st.one_of(NUMBERS, st.sampled_from([1e-300, -1e-300]), INTEGERS, WORDS, st.none(), TARGETS)
 TERMS = st.builds(
     Term,
     name=OBJECTIVES,
@@ -136,10 +141,42 @@ def test_weights(text, weight):
         ("f(k=none)", None),
         ('f(k="true")', "true"),
         ('f(k="none")', "none"),
+        ("f(k=0.06+-0.02)", Target(0.06, 0.02)),
+        ("f(k=0.06±0.02)", Target(0.06, 0.02)),
+        ("f(k = 6 +- 2)", Target(6.0, 2.0)),
+        ("f(k= - .5 ± 1e-3 )", Target(-0.5, 0.001)),
+        ("f(k=+1e2+-5)", Target(100.0, 5.0)),
+        ("f(k=0+-5e-324)", Target(0.0, 5e-324)),
+        ('f(k="0.06+-0.02")', "0.06+-0.02"),
     ],
 )
 def test_values_of_parameters(text, value):
     assert parse(text).terms[0].parameters == (("k", value),)
+
+
+@given(TARGETS)
+def test_a_target_reads_back_as_itself(target):
+    again = parse_target(str(target))
+    assert again == target
+    assert str(again) == str(target)
+    assert parse(f"f(k={str(target).replace('+-', ' ± ')})") == parse(f"f(k={target})")
+
+
+@pytest.mark.parametrize(
+    ("reason", "text", "carets"),
+    [
+        ("expected a target such as 0.06+-0.02", "0.06", "^"),
+        ("expected a target such as 0.06+-0.02", "small", "^"),
+        ("expected a number or a word, found the end", "", "^"),
+        ("expected the end, found ','", "1+-2, 3", "    ^"),
+        ("expected the end, found '+-'", "1+-2+-3", "    ^^"),
+    ],
+)
+def test_mistakes_in_a_target_by_itself(reason, text, carets):
+    with pytest.raises(ExpressionError) as caught:
+        parse_target(text)
+    error = caught.value
+    assert (error.reason, error.start, error.stop) == (reason, carets.index("^"), len(carets))
 
 
 def test_an_empty_pair_of_parentheses_is_none():
@@ -239,6 +276,38 @@ MISTAKES = [
     ("expected a label, found '\"a\"'", 'f("a")', "  ^^^"),
     ("unexpected character 'ê'", "f(tête)", "   ^"),
     ("unexpected character '.'", "f(k=1.2.3)", "     ^"),
+    (
+        "the spread of a target must be positive; write how far from 0.06 is still usual",
+        "f(k=0.06+-0.0)",
+        "          ^^^",
+    ),
+    (
+        "the spread of a target must be positive; write how far from -1 is still usual",
+        "f(k=-1±1e-999)",
+        "       ^^^^^^",
+    ),
+    (
+        "expected the spread of a target after '+-', a positive number, found '-'",
+        "f(k=1+--2)",
+        "       ^",
+    ),
+    (
+        "expected the spread of a target after '±', a positive number, found ')'",
+        "f(k=1±)",
+        "      ^",
+    ),
+    (
+        "expected the spread of a target after '+-', a positive number, found the end",
+        "f(k=1+-",
+        "       ^",
+    ),
+    ("the number is too large", "f(k=1+-1e400)", "       ^^^^^"),
+    ("expected ',' or ')', found '+-'", "f(k=1+-2+-3)", "        ^^"),
+    ("expected ',' or ')', found '+'", "f(k=1+ -2)", "     ^"),
+    ("expected ',' or ')', found '±'", "f(k=few±2)", "       ^"),
+    ("expected a number or a word, found '±'", "f(k=±2)", "    ^"),
+    ("expected '*', found '+-'", "3+-f", " ^^"),
+    ("expected '+' or '-', found '±'", "f ± g", "  ^"),
 ]
 
 
@@ -273,7 +342,9 @@ def expression_or_error(text: str) -> Expression | ExpressionError:
         return error
 
 
-ALPHABET = st.sampled_from([*'ab13.e*+-(),=:_ "\\', "..", "leg*", "k=", "1e5", "f(", "\n", "@"])
+ALPHABET = st.sampled_from(
+    [*'ab13.e*+-±(),=:_ "\\', "+-", "..", "leg*", "k=", "1e5", "f(", "\n", "@"]
+)
 
 
 @given(st.one_of(st.text(), st.lists(ALPHABET, max_size=14).map("".join)))

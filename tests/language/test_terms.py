@@ -5,11 +5,8 @@ from __future__ import annotations
 import dataclasses
 
 import pytest
-from hypothesis import example, given
-from hypothesis import strategies as st
 
 from moseg_core.language import Argument, Expression, Term, parse
-from moseg_core.language.terms import format_number
 
 
 @pytest.mark.parametrize(
@@ -80,21 +77,3 @@ def test_places_are_those_in_the_text():
 def test_terms_cannot_be_changed():
     with pytest.raises(dataclasses.FrozenInstanceError):
         parse("f").terms[0].weight = 2.0
-
-
-@given(st.floats(allow_nan=False, allow_infinity=False))
-@example(1e16)
-@example(5e-324)
-@example(-0.0)
-def test_a_number_reads_back_as_itself(value):
-    text = format_number(value)
-    assert float(text) == value
-    assert not text.endswith(".0") or text == "-0.0"  # "-0" would be the whole number 0
-
-
-@pytest.mark.parametrize(
-    ("value", "text"),
-    [(3, "3"), (-3.0, "-3"), (0.1, "0.1"), (1e22, "1e+22"), (100, "100"), (1e-7, "1e-07")],
-)
-def test_numbers_are_written_shortly(value, text):
-    assert format_number(value) == text

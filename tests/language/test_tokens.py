@@ -7,7 +7,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from moseg_core.errors import ExpressionError
-from moseg_core.language.tokens import Token, quoted, tokenize, unquoted
+from moseg_core.language.tokens import Token, format_number, quoted, tokenize, unquoted
 
 
 def kinds(text: str) -> list[tuple[str, str]]:
@@ -155,6 +155,26 @@ def test_nothing_is_just_the_end(text):
     assert (end.kind, end.text, end.start, end.stop) == ("end", "", len(text), len(text))
 
 
+@pytest.mark.parametrize("sign", ["+-", "±"])
+@pytest.mark.parametrize("space", ["", " ", "\n "])
+def test_between_two_numbers_give_or_take_is_one_sign(sign, space):
+    text = space.join(["f(k=", "-.5", sign, "1e-3", ")"])
+    assert kinds(text)[3:] == [
+        ("symbol", "="),
+        ("symbol", "-"),
+        ("number", ".5"),
+        ("symbol", sign),
+        ("number", "1e-3"),
+        ("symbol", ")"),
+    ]
+
+
+def test_a_plus_and_a_minus_are_two_signs_anywhere_else():
+    assert [text for _, text in kinds("f +-3*g(k=+-2)")] == [
+        *("f", "+", "-", "3", "*", "g", "(", "k", "=", "+", "-", "2", ")")
+    ]
+
+
 def tokens_or_error(text: str) -> list[Token] | ExpressionError:
     try:
         return tokenize(text)
@@ -162,7 +182,7 @@ def tokens_or_error(text: str) -> list[Token] | ExpressionError:
         return error
 
 
-ALPHABET = st.sampled_from('ab1.e*+-(),=: \n/"\\')
+ALPHABET = st.sampled_from('ab1.e*+-±(),=: \n/"\\')
 
 
 @given(st.one_of(st.text(), st.text(ALPHABET)))
@@ -183,3 +203,21 @@ def test_tokens_are_the_text_without_its_space_each_at_its_place(text):
         assert text[token.start : token.stop] == token.text
     assert [token.kind for token in tokens].count("end") == 1
     assert tokens[-1].kind == "end"
+
+
+@given(st.floats(allow_nan=False, allow_infinity=False))
+@example(1e16)
+@example(5e-324)
+@example(-0.0)
+def test_a_number_reads_back_as_itself(value):
+    text = format_number(value)
+    assert float(text) == value
+    assert not text.endswith(".0") or text == "-0.0"  # "-0" would be the whole number 0
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(3, "3"), (-3.0, "-3"), (0.1, "0.1"), (1e22, "1e+22"), (100, "100"), (1e-7, "1e-07")],
+)
+def test_numbers_are_written_shortly(value, text):
+    assert format_number(value) == text

@@ -18,7 +18,7 @@ from moseg_core.components.parameters import Interval
 from moseg_core.components.part import Part
 from moseg_core.components.segmentation import Segmentation
 from moseg_core.errors import ExpressionError, PluginError, UsageError
-from moseg_core.language import Argument, Expression, Term, parse
+from moseg_core.language import Argument, Expression, Target, Term, parse
 from moseg_core.problem.binding import bind
 
 LABELS = ("head", "body", "leg1", "leg2", "leg10", "Leg3")
@@ -61,7 +61,20 @@ def like(
     return 0.0
 
 
-OWN = {"thin": thin, "like": like, "across": across, "alike": alike, "filled": filled, "tube": tube}
+@objective(range=(0, float("inf")))
+def sized(
+    part: Part,
+    *,
+    area: Annotated[Target | None, Interval(0, 1)] = None,
+    height: Target | None = None,
+) -> float:
+    return 0.0
+
+
+OWN = {
+    **{"thin": thin, "like": like, "across": across, "alike": alike, "filled": filled},
+    **{"tube": tube, "sized": sized},
+}
 
 
 def installed(*ids: str, target: str = "home_of_objectives:thin") -> Registry:
@@ -160,6 +173,45 @@ def test_parameters_come_in_their_declared_types():
     (term,) = bound("thin(head, count=3, power=2)")
     assert term.parameters == {"count": 3, "power": 2.0}
     assert [type(term.parameters[key]) for key in ("count", "power")] == [int, float]
+
+
+def test_a_parameter_may_be_a_target():
+    first, second, third = bound(
+        "sized(leg*, area=0.06+-0.02) + sized(head, height=-5±1, area=0.06±0.02)"
+        " + sized(head, area=0.06+-0.03)"
+    )
+    assert first.parameters == {"area": Target(0.06, 0.02)}
+    assert second.parameters == {"height": Target(-5, 1), "area": Target(0.06, 0.02)}
+    assert str(second.term) == "sized(head, height=-5+-1, area=0.06+-0.02)"
+    keys = {first.memo_key, second.memo_key, third.memo_key}
+    assert len(keys) == 3
+    assert bound("sized(body, area = 0.06 ± 0.02)")[0].memo_key in keys
+
+
+@pytest.mark.parametrize(
+    ("text", "message", "place"),
+    [
+        (
+            "sized(head, area=0.06)",
+            "'sized': parameter 'area' must be a target, not 0.06 in \"sized(head, area=0.06)\";"
+            " write 0.06+-0.02: a typical value and how far from it is still usual",
+            "area",
+        ),
+        (
+            "sized(head, area=1.5+-1)",
+            "'sized': parameter 'area' is 1.5 in \"sized(head, area=1.5+-1)\"; allowed is 0 to 1",
+            "area",
+        ),
+        (
+            "thin(head, power=2+-1)",
+            "'thin': parameter 'power' must be a number, not the target 2+-1 in"
+            ' "thin(head, power=2+-1)"',
+            "power",
+        ),
+    ],
+)
+def test_targets_are_told_from_numbers(text, message, place):
+    assert refusal(text) == (message, place)
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import json
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Annotated
@@ -21,9 +22,11 @@ from moseg_core.components.parameters import Interval
 from moseg_core.components.part import Part
 from moseg_core.components.segmentation import Segmentation
 from moseg_core.errors import ExpressionError, ShapeError, UsageError
-from moseg_core.language import parse
+from moseg_core.language import Target, parse
 from moseg_core.problem.problem import Problem, check_label_names
+from moseg_core.problem.statement import Statement
 from moseg_core.shape.shape import Shape
+from tests import shapes
 
 NONE = Registry(())
 
@@ -53,7 +56,14 @@ def scaled(
     return part.n_elements * by + plus
 
 
-OWN = {"size": size, "gap": gap, "first_to_last": first_to_last, "total": total, "scaled": scaled}
+def usual(part: Part, *, elements: Target) -> float:
+    return elements.cost(part.n_elements)
+
+
+OWN = {
+    **{"size": size, "gap": gap, "first_to_last": first_to_last, "total": total},
+    **{"scaled": scaled, "usual": usual},
+}
 
 
 def problem(labels: str, minimize: str, **more) -> Problem:
@@ -121,6 +131,17 @@ def test_a_problem_in_text():
     assert repr(made) == "Problem(['a', 'b'], '3*size(a) - total')"
     assert [term.id for term in made.terms] == ["python:size", "python:total"]
     assert [term.id for term in made.unary_terms] == ["python:size"]
+
+
+def test_what_is_usual_is_said_by_a_target():
+    made = problem("a b", "usual(a, elements=6±2) + 2*usual(b, elements=1+-1)")
+    assert str(made.expression) == "usual(a, elements=6+-2) + 2*usual(b, elements=1+-1)"
+    stated = made.statement
+    assert Statement.read(json.loads(json.dumps(stated.document()))) == stated
+    assert parse(stated.minimize) == made.expression
+    strip = Shape.from_mesh(*shapes.strip(8))
+    # 4 is one spread from 6; 4 is three from 1, beyond the bend.
+    assert made.evaluate(strip, [0] * 4 + [1] * 4).cost.value == 1 + 2 * (4 * 3 - 4)
 
 
 def test_an_expression_is_as_good_as_its_text():

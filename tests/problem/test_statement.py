@@ -23,13 +23,15 @@ from moseg_core.cli.request import read_statement
 from moseg_core.components.chosen import Choice
 from moseg_core.errors import UsageError
 from moseg_core.io import read_result
+from moseg_core.language import Target
 from moseg_core.problem.recipe import Recipe, load_recipe, parse_recipe
 from moseg_core.problem.settings import Method
 from moseg_core.problem.statement import Statement
 
 WORDS = st.text(st.characters(exclude_categories=["Cs"]), max_size=9)
 NAMES = st.from_regex(r"[a-z][a-z0-9]{0,4}", fullmatch=True)
-VALUES = st.integers(-9, 9).map(float) | WORDS | st.booleans() | st.none()
+TARGETS = st.builds(Target, st.floats(-9, 9), st.floats(1e-9, 9))
+VALUES = st.integers(-9, 9).map(float) | WORDS | st.booleans() | st.none() | TARGETS
 CHOICES = st.builds(Choice, NAMES, st.dictionaries(NAMES, VALUES, max_size=2))
 SEARCHES = st.builds(
     Method,

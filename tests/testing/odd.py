@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from typing import Annotated
 
@@ -9,6 +10,7 @@ from moseg_core.components.constraint_function import constraint
 from moseg_core.components.objectives import Traits, objective
 from moseg_core.components.parameters import Interval
 from moseg_core.components.part import Part
+from moseg_core.language import Target
 
 
 @constraint(start=[0.3, 1.0])
@@ -39,6 +41,23 @@ def near(part: Part, *, share: Annotated[float, Interval(0, 1)], sharp: bool = F
     """An objective with a parameter that must be given."""
     apart = min(1.0, abs(part.area / part.shape.area - share))
     return apart if sharp else apart**2
+
+
+@objective(range=(0, math.inf), invariant_to=["rigid", "scale", "reflection"])
+def sized(
+    part: Part,
+    *,
+    area: Annotated[Target, Interval(0, 1)],
+    length: Target | None = None,
+    slender: Annotated[Target | None, Interval(0)] = Target(0.3, 0.2),
+) -> float:
+    """An objective with targets: one that must be given, one without bounds, one by default."""
+    found = area.cost(part.area / part.shape.area)
+    if length is not None:
+        found += length.ratio_cost(float(part.scales[0]) / part.shape.area**0.5)
+    if slender is not None:
+        found += slender.cost(float(part.scales[1] / part.scales[0]))
+    return found
 
 
 @objective(range=(0, 1), invariant_to=["labels"])

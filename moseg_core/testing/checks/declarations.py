@@ -15,11 +15,13 @@ from moseg_core.components.chosen import Choice, prepare
 from moseg_core.components.constraint_function import FunctionConstraint
 from moseg_core.components.parameters import Parameter, check_parameters
 from moseg_core.errors import UsageError
+from moseg_core.language import Target
+from moseg_core.language.terms import format_value
 from moseg_core.testing.check import ContractFailure, Skip, Subject, check
 from moseg_core.testing.checks.repeats import baseline
 from moseg_core.testing.fixtures.comparison import expect_no_error, expect_same
 from moseg_core.testing.fixtures.drivers import drive
-from moseg_core.testing.fixtures.trial import DRIVEN, declared, required
+from moseg_core.testing.fixtures.trial import DRIVEN, declared, in_its_type, required, tame
 
 
 @check("parameters-round-trip", kinds=DRIVEN)
@@ -58,10 +60,11 @@ def _parameters_round_trip(subject: Subject) -> None:
 @check("parameters-in-range", kinds=DRIVEN)
 def _parameters_in_range(subject: Subject) -> None:
     """What the declaration allows a user to say must not end in a crash."""
-    for parameter, value in _tried(subject, _within):
+    for parameter, value in _tried(subject, within):
+        said = f"{parameter.name}={format_value(value)}"
         expect_no_error(
             drive(subject, parameters={parameter.name: value}),
-            did=f"it was run with {parameter.name}={value!r}, which its declaration allows",
+            did=f"it was run with {said}, which its declaration allows",
             excused=True,
             fix="narrow the Interval, handle the value, or raise moseg_core.UsageError where it"
             " depends on something else",
@@ -77,15 +80,22 @@ def _tried(
     return tried
 
 
-def _within(parameter: Parameter) -> list[Any]:
-    """The finite ends of a range, but for values much larger than the default."""
+def within(parameter: Parameter) -> list[Any]:
+    """The finite ends of a range, but for values much larger than the default; of targets also 1.
+
+    Nothing of a word: nobody can guess which ones there are.
+    """
     if parameter.type is bool:
         return [False, True]
-    if parameter.type not in (int, float):
+    if parameter.type is str:
         return []
-    most = 10.0 * max(1.0, abs(parameter.default or 1.0))
+    usual = tame(parameter).value if parameter.type is Target else parameter.default
+    most = 10.0 * max(1.0, abs(usual or 1.0))
     ends = (parameter.interval.low, parameter.interval.high)
-    return [parameter.type(end) for end in ends if math.isfinite(end) and abs(end) <= most]
+    numbers = [end for end in ends if math.isfinite(end) and abs(end) <= most]
+    if parameter.type is Target:
+        numbers = list(dict.fromkeys([usual, *numbers]))
+    return [in_its_type(parameter, number) for number in numbers]
 
 
 @check("parameter-out-of-range", kinds=DRIVEN)
@@ -93,7 +103,8 @@ def _parameter_out_of_range(subject: Subject) -> None:
     """A wrong number must be refused before the search, by a message that names it."""
     others = required(subject)
     for parameter, value in _tried(subject, _beyond):
-        did = f"{parameter.name}={value:g} was asked for, where {parameter.interval} is allowed"
+        said = f"{parameter.name}={format_value(value)}"
+        did = f"{said} was asked for, where {parameter.interval} is allowed"
         fix = "declare parameters as keyword-only arguments with moseg_core.Interval"
         try:
             _asked(subject, {**others, parameter.name: value})
@@ -107,10 +118,10 @@ def _parameter_out_of_range(subject: Subject) -> None:
 
 
 def _beyond(parameter: Parameter) -> list[Any]:
-    if parameter.type not in (int, float):
+    if parameter.type not in (int, float, Target):
         return []
     beyond = (parameter.interval.low - 1.0, parameter.interval.high + 1.0)
-    return [parameter.type(value) for value in beyond if math.isfinite(value)]
+    return [in_its_type(parameter, value) for value in beyond if math.isfinite(value)]
 
 
 def _asked(subject: Subject, parameters: dict[str, Any]) -> None:

@@ -17,6 +17,7 @@ from moseg_core.components.cost import Cost
 from moseg_core.components.memo import Memo
 from moseg_core.components.protocols import Batch, Objective
 from moseg_core.errors import MosegError
+from moseg_core.language.terms import format_call
 from moseg_core.search.evaluator import ProblemEvaluator
 from moseg_core.testing.check import ContractFailure, Skip, Subject, check
 from moseg_core.testing.fixtures.comparison import Answers, Raised, expect_no_error, expect_same
@@ -186,12 +187,10 @@ def _evaluator(subject: Subject, *, memo: Memo | None = None) -> ProblemEvaluato
     if target.traits.least > 3:
         raise Skip(f"it takes {target.traits.least} parts")
     count = {"unary": 3, "global": 0}.get(target.traits.arity, most_of(target, 3))
-    values = [f"{key}={float(value):g}" for key, value in required(subject).items()]
-    inside = ", ".join([*labels_of(count), *values])
     return evaluator_on(
         lump(),
         3,
-        f"tested({inside})" if inside else "tested",
+        format_call("tested", labels_of(count), required(subject).items()),
         objectives={"tested": target},
         source=subject.registry,
         memo=Memo() if memo is None else memo,

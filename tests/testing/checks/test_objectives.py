@@ -27,7 +27,7 @@ def test_what_an_objective_may_read(name, expected):
     assert set(failures(spec)) == expected
 
 
-@pytest.mark.parametrize("name", ["share", "near", "four"])
+@pytest.mark.parametrize("name", ["share", "near", "four", "sized"])
 def test_unusual_objectives_pass(name):
     found = outcomes(ObjectiveSpec(name="odd", target=f"tests.testing.odd:{name}"))
     assert [outcome for outcome in found if outcome.status == "failed"] == []
