@@ -127,6 +127,8 @@ def _facts(explained: Explained) -> dict[str, str]:
             "unchanged by": ", ".join(sorted(traits.invariant_to)) or "nothing is declared",
             "cost": traits.cost,
         }
+        if traits.share is not None:
+            facts["expects"] = "a share of the area, where its parameters tell which"
     suffixes = getattr(component.spec, "suffixes", ())
     if suffixes:
         facts["files"] = " ".join(suffixes)
@@ -171,6 +173,7 @@ def _document(explained: Explained) -> dict[str, Any]:
             "requires": sorted(traits.requires),
             "invariant_to": sorted(traits.invariant_to),
             "cost": traits.cost,
+            "expects_share": traits.share is not None,
         },
     }
 

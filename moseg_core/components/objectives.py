@@ -26,6 +26,7 @@ import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from numbers import Real
 from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 from moseg_core.components.discovery.specs import Invariance, Requirement
@@ -38,6 +39,9 @@ CostClass = Literal["cheap", "moderate", "expensive"]
 
 FieldNames = Callable[[Mapping[str, Any]], Sequence[str]]
 """From the parameters of a call to the ids of the fields that it reads."""
+
+ShareOf = Callable[[Mapping[str, Any]], float | None]
+"""From the parameters of a call to the share of the area of a part that it is content with."""
 
 COST_ORDER: dict[CostClass, int] = {"cheap": 0, "moderate": 1, "expensive": 2}
 
@@ -67,6 +71,10 @@ class Traits:
     fields : tuple of str, or callable
         Ids of the fields that the objective reads, or a function from the parameters that a call
         gives to those; they are computed before the search.
+    share : callable or None
+        From the parameters that a call gives, without defaults, to the share of the whole area,
+        above 0 and at most 1, that each of its parts has where the value is low; None where they
+        do not tell. Seeders place parts by it (:attr:`moseg_core.Problem.expected_shares`).
     """
 
     arity: Arity
@@ -77,6 +85,36 @@ class Traits:
     least: int = 1
     most: int | None = None
     fields: tuple[str, ...] | FieldNames = ()
+    share: ShareOf | None = None
+
+    def expected_share(self, parameters: Mapping[str, Any]) -> float | None:
+        """The share of the whole area that a part of low value has; None where nothing is said.
+
+        Parameters
+        ----------
+        parameters : mapping of str to value
+            Those that a call gives.
+
+        Raises
+        ------
+        ValueError
+            What the objective answers is neither None nor a number above 0 and at most 1; or
+            whatever else its function raises.
+
+        Examples
+        --------
+        >>> traits = Traits(arity="unary", share=lambda given: given.get("most"))
+        >>> traits.expected_share({"most": 0.2})
+        0.2
+        """
+        found = None if self.share is None else self.share(parameters)
+        if found is None:
+            return None
+        if isinstance(found, bool) or not isinstance(found, Real) or not 0 < found <= 1:
+            raise ValueError(
+                f"a share is a number above 0 and at most 1, or None, not {found!r:.60}"
+            )
+        return float(found)
 
     @property
     def takes(self) -> str:
@@ -134,6 +172,7 @@ def objective(
     cost: CostClass = "cheap",
     least: int | None = None,
     fields: Sequence[str] | FieldNames = (),
+    share: ShareOf | None = None,
 ) -> Callable[[Callable[..., float]], FunctionObjective]:
     """Turn a function of parts into an objective.
 
@@ -148,6 +187,10 @@ def objective(
         parameters that a call gives to those. Fields are computed once per shape; those that are
         declared before the search, so that a shape on which that fails is refused at once, and
         processes share them.
+    share : callable, optional
+        Where the objective knows which share of the whole area its parts should have: a function
+        from the parameters that a call gives to that share, above 0 and at most 1, or to None.
+        Searches place their seeds by it.
 
     Returns
     -------
@@ -159,7 +202,8 @@ def objective(
     TypeError
         The first argument's annotation is none of Part, Sequence[Part] and Segmentation.
     ValueError
-        A range whose ends are in the wrong order; an unknown requirement, invariance or cost.
+        A range whose ends are in the wrong order; an unknown requirement, invariance or cost; a
+        share that is no function.
 
     Examples
     --------
@@ -179,6 +223,8 @@ def objective(
     ):
         if isinstance(given, str) or not set(given) <= set(allowed):
             raise ValueError(f"an objective's {what} is of {', '.join(allowed)}; not {given!r}")
+    if share is not None and not callable(share):
+        raise ValueError(f"an objective's share is a function of its parameters, not {share!r}")
 
     def decorate(function: Callable[..., float]) -> FunctionObjective:
         arity, count = _read_signature(function)
@@ -191,6 +237,7 @@ def objective(
             least=count if count is not None else (2 if least is None else least),
             most=count,
             fields=fields if callable(fields) else tuple(fields),
+            share=share,
         )
         made = FunctionObjective(function, traits, spread=arity == "nary" and count is not None)
         _ = made.parameters  # so that a parameter of an odd type shows here, not on first use

@@ -82,6 +82,31 @@ class BoundTerm:
         return tuple(found)
 
     @property
+    def expected_share(self) -> float | None:
+        """The share of the whole area that each part has where the term is low, above 0 to 1.
+
+        None where the objective says nothing of it, and where its value is wanted high.
+
+        Raises
+        ------
+        UsageError
+            The objective does not accept its parameters.
+        PluginError
+            What it gives for a share is none, or it fails.
+        """
+        if self.weight < 0:
+            return None
+        try:
+            return self.objective.traits.expected_share(self.parameters)
+        except UsageError as error:  # it says what is wrong with its parameters
+            raise UsageError(f"in '{self.term.call}': {error}") from error
+        except Exception as error:  # a stranger's objective may raise anything
+            raise PluginError(
+                f"objective '{self.id}' of {self.distribution} failed to say which share of the"
+                f" area it expects in '{self.term.call}': {describe(error)}; {REPORT}"
+            ) from error
+
+    @property
     def memo_key(self) -> tuple[Any, ...]:
         """What tells this objective with these parameters from all others."""
         # The object too: two functions of the calling program may have one name.

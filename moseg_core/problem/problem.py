@@ -10,12 +10,14 @@ checked when the two meet, and before the search.
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
+import numpy as np
 import numpy.typing as npt
 
 from moseg_core.components.chosen import Choice, PreparedComponent, prepare
@@ -34,6 +36,7 @@ from moseg_core.problem.constraint_calls import bind_constraints
 from moseg_core.problem.constraints import Constraints
 from moseg_core.problem.statement import Statement
 from moseg_core.shape.shape import Shape
+from moseg_core.types import FloatArray
 
 ORIGINAL = "original"
 """The space of a shape as the user gave it."""
@@ -269,6 +272,37 @@ class Problem:
     def fields(self) -> tuple[str, ...]:
         """Ids of the fields that the terms say they read, each once."""
         return tuple(dict.fromkeys(name for term in self.terms for name in term.fields))
+
+    @cached_property
+    def expected_shares(self) -> FloatArray:
+        """(n,) float: the share of the whole area that each label's part is expected to have.
+
+        Above 0 to 1, as the terms about the label say (:class:`moseg_core.Traits`); where several
+        do, their geometric mean, weighted like the terms. NaN where none does. Terms of negative
+        weight say nothing. The shares need not add up to 1: each says what is known of its label.
+
+        Raises
+        ------
+        UsageError, PluginError
+            An objective fails to say which share it expects.
+
+        Examples
+        --------
+        >>> Problem(["a", "b"], "area_fraction(a, min=0.1, max=0.3) + narrow(b)").expected_shares
+        array([0.2, nan])
+        """
+        weights, logarithms = np.zeros(len(self.labels)), np.zeros(len(self.labels))
+        for term in self.terms:
+            share = term.expected_share
+            if share is not None:
+                concerned = [label for call in term.calls for label in call]
+                weights[concerned] += term.weight
+                logarithms[concerned] += term.weight * math.log(share)
+        shares = np.full(len(self.labels), np.nan)
+        known = weights > 0
+        shares[known] = np.exp(logarithms[known] / weights[known])
+        shares.flags.writeable = False
+        return shares
 
     def check(self, shape: Shape) -> None:
         """Refuse a shape that this problem cannot be solved on.

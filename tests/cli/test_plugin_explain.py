@@ -20,6 +20,7 @@ def test_explain_an_objective(moseg):
         "needs nothing but the parts",
         "unchanged by order, reflection, rigid, scale, tessellation",
         "cost cheap",
+        "expects a share of the area, where its parameters tell which",
         "from moseg-objectives-basic 0.1.0",
         "target moseg_objectives_basic.area:area_fraction",
         "max(min - share, share - max, 0)",
@@ -29,6 +30,7 @@ def test_explain_an_objective(moseg):
     needs = " ".join(moseg("plugin", "explain", "basic:convex_parts").out.split())
     assert "needs volume" in needs
     assert "range 0 to infinity" in needs
+    assert "expects" not in needs
 
 
 def test_explain_begins_with_the_summary_and_says_nothing_twice(moseg):
@@ -56,6 +58,7 @@ def test_explain_as_json(moseg):
     assert told["distribution"] == "moseg-objectives-basic 0.1.0"
     assert told["traits"]["range"] == [0, 1]
     assert told["traits"]["requires"] == ["surface"]
+    assert told["traits"]["expects_share"] is False
     (parameter,) = told["parameters"]
     assert (parameter["name"], parameter["default"]) == ("n", 2)
     assert (parameter["low"], parameter["high"]) == (2, None)

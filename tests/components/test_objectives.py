@@ -7,6 +7,7 @@ import pickle
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated
 
+import numpy as np
 import pytest
 
 from moseg_core.components.discovery.registry import Registry
@@ -90,6 +91,28 @@ def test_traits_are_what_was_declared():
     assert many.traits.cost == "expensive"
     assert whole.traits.requires == {"volume", "adjacency"}
     assert two.traits.range == (-math.inf, math.inf)
+
+
+def share_of(given):
+    return given.get("share")
+
+
+def test_an_objective_may_say_which_share_it_expects():
+    made = objective(range=(0, 1), share=share_of)(size)
+    assert made.traits.share is share_of
+    assert made.traits.expected_share({"share": np.float64(0.25)}) == 0.25
+    assert type(made.traits.expected_share({"share": 1})) is float
+    assert made.traits.expected_share({}) is None
+    assert one.traits.share is None
+    assert one.traits.expected_share({"share": 0.25}) is None
+    with pytest.raises(ValueError, match=r"share is a function of its parameters, not 0\.3"):
+        objective(share=0.3)
+
+
+@pytest.mark.parametrize("share", [0, -0.1, 1.0000001, math.nan, math.inf, "0.5", True, [0.5], 1j])
+def test_a_share_is_a_number_above_0_and_at_most_1(share):
+    with pytest.raises(ValueError, match="a share is a number above 0 and at most 1"):
+        Traits(arity="unary", share=share_of).expected_share({"share": share})
 
 
 def test_cost_classes_are_in_order():

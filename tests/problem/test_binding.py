@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from moseg_core.components.discovery.registry import Bundle, Component, Registry
 from moseg_core.components.discovery.specs import ObjectiveSpec
-from moseg_core.components.objectives import objective
+from moseg_core.components.objectives import Traits, objective
 from moseg_core.components.parameters import Interval
 from moseg_core.components.part import Part
 from moseg_core.components.segmentation import Segmentation
@@ -71,9 +71,32 @@ def sized(
     return 0.0
 
 
+def share_of_sized(given):
+    if given.get("length") == Target(1, 1):
+        raise UsageError("length=1+-1 goes with nothing")
+    return given["area"].value if "area" in given else None
+
+
+@objective(range=(0, float("inf")), share=share_of_sized)
+def grown(
+    part: Part, *, area: Target | None = Target(0.5, 0.1), length: Target | None = None
+) -> float:
+    return 0.0
+
+
+class Fifth:
+    """An objective of a class of its own."""
+
+    traits = Traits(arity="nary", most=3, share=lambda given: 0.2)
+    parameters = ()
+
+    def __call__(self, parts, /):
+        return 0.0
+
+
 OWN = {
     **{"thin": thin, "like": like, "across": across, "alike": alike, "filled": filled},
-    **{"tube": tube, "sized": sized},
+    **{"tube": tube, "sized": sized, "grown": grown, "fifth": Fifth()},
 }
 
 
@@ -212,6 +235,41 @@ def test_a_parameter_may_be_a_target():
 )
 def test_targets_are_told_from_numbers(text, message, place):
     assert refusal(text) == (message, place)
+
+
+@pytest.mark.parametrize(
+    ("text", "share"),
+    [
+        ("grown(head, area=0.06+-0.02)", 0.06),
+        ("3*grown(head, area=1+-0.02)", 1.0),
+        ("grown(head)", None),  # the function is asked with what the call gives, no defaults
+        ("grown(head, length=2+-1)", None),
+        ("-grown(head, area=0.06+-0.02)", None),  # a low value is not wanted
+        ("thin(head)", None),
+        ("fifth(head, body)", 0.2),
+    ],
+)
+def test_the_share_that_a_term_expects(text, share):
+    (term,) = bound(text)
+    assert term.expected_share == share
+
+
+def test_an_objective_that_fails_to_say_which_share_it_expects_is_named():
+    for area, found in (("0+-1", "0.0"), ("1.5+-1", "1.5")):
+        (term,) = bound(f"grown(head, area={area})")
+        with pytest.raises(PluginError) as caught:
+            _ = term.expected_share
+        assert str(caught.value) == (
+            "objective 'python:grown' of the calling program failed to say which share of the area"
+            f" it expects in 'grown(head, area={area})': ValueError: a share is a number above 0"
+            f" and at most 1, or None, not {found}; report it to its authors, or do without it"
+        )
+    (term,) = bound("grown(head, area=none)")
+    with pytest.raises(PluginError, match=r"'grown\(head, area=none\)': AttributeError"):
+        _ = term.expected_share
+    (term,) = bound("grown(head, length=1+-1)")
+    with pytest.raises(UsageError, match=r"in 'grown\(head, length=1\+-1\)': length=1\+-1 goes"):
+        _ = term.expected_share
 
 
 @pytest.mark.parametrize(

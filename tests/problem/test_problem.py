@@ -21,7 +21,7 @@ from moseg_core.components.objectives import objective
 from moseg_core.components.parameters import Interval
 from moseg_core.components.part import Part
 from moseg_core.components.segmentation import Segmentation
-from moseg_core.errors import ExpressionError, ShapeError, UsageError
+from moseg_core.errors import ExpressionError, PluginError, ShapeError, UsageError
 from moseg_core.language import Target, parse
 from moseg_core.problem.problem import Problem, check_label_names
 from moseg_core.problem.statement import Statement
@@ -142,6 +142,54 @@ def test_what_is_usual_is_said_by_a_target():
     strip = Shape.from_mesh(*shapes.strip(8))
     # 4 is one spread from 6; 4 is three from 1, beyond the bend.
     assert made.evaluate(strip, [0] * 4 + [1] * 4).cost.value == 1 + 2 * (4 * 3 - 4)
+
+
+@objective(share=lambda given: given.get("share"))
+def part_of(part: Part, *, share: Annotated[float, Interval(0, 1)] = 0.5) -> float:
+    return abs(part.area / part.shape.area - share)
+
+
+@objective(share=lambda given: given.get("share"))
+def even(parts: Sequence[Part], *, share: float | None = None) -> float:
+    return 0.0
+
+
+@objective(share=lambda given: 0.9)
+def all_of_it(segmentation: Segmentation) -> float:
+    return 0.0
+
+
+SHARES = {"part_of": part_of, "even": even, "all_of_it": all_of_it}
+
+
+@pytest.mark.parametrize(
+    ("minimize", "shares"),
+    [
+        ("size(*)", [None, None, None]),
+        ("part_of(a, share=0.2)", [0.2, None, None]),
+        ("part_of(a) + all_of_it", [None, None, None]),
+        ("part_of(leg*, share=0.05) + part_of(a, share=1)", [1.0, 0.05, 0.05]),
+        ("even(leg*, share=0.1) + size(a)", [None, 0.1, 0.1]),
+        ("part_of(a, share=0.2) - part_of(a, share=0.9)", [0.2, None, None]),
+        ("-part_of(a, share=0.9)", [None, None, None]),
+        ("part_of(a, share=0.1) + part_of(*, share=0.4)", [0.2, 0.4, 0.4]),
+        (
+            "part_of(a, share=0.1) + 3*part_of(a, share=0.4) + 2*even(leg1, a, share=0.3)",
+            [(0.1 * 0.4**3 * 0.3**2) ** (1 / 6), 0.3, None],
+        ),
+    ],
+)
+def test_the_shares_that_the_terms_expect(minimize, shares):
+    found = problem("a leg1 leg2", minimize, **SHARES).expected_shares
+    np.testing.assert_allclose(found, np.array(shares, float), rtol=1e-15)
+    with pytest.raises(ValueError, match="read-only"):
+        found[0] = 0.5
+
+
+def test_a_share_that_is_none_ends_with_the_name_of_the_objective():
+    made = problem("a b", "size(b) + part_of(a, share=0)", **SHARES)
+    with pytest.raises(PluginError, match=r"'python:part_of' of the calling program failed to say"):
+        _ = made.expected_shares
 
 
 def test_an_expression_is_as_good_as_its_text():

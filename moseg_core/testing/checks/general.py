@@ -109,6 +109,7 @@ def _traits_fit(target: Any) -> None:
         f"the requirements {set(traits.requires)}": traits.requires <= {*get_args(Requirement)},
         f"the invariances {set(traits.invariant_to)}": traits.invariant_to
         <= {*get_args(Invariance)},
+        f"the share {traits.share!r}": traits.share is None or callable(traits.share),
         "parameters of another class": all(isinstance(p, Parameter) for p in target.parameters),
     }
     if wrong := [name for name, holds in sound.items() if not holds]:

@@ -10,16 +10,19 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from moseg_core.components.cost import Cost
+from moseg_core.components.discovery.registry import describe
 from moseg_core.components.memo import Memo
 from moseg_core.components.protocols import Batch, Objective
-from moseg_core.errors import MosegError
+from moseg_core.errors import MosegError, UsageError
 from moseg_core.language.terms import format_call
 from moseg_core.search.evaluator import ProblemEvaluator
 from moseg_core.testing.check import ContractFailure, Skip, Subject, check
+from moseg_core.testing.checks.declarations import within
 from moseg_core.testing.fixtures.comparison import Answers, Raised, expect_no_error, expect_same
 from moseg_core.testing.fixtures.objective_values import (
     SLICED,
@@ -31,7 +34,7 @@ from moseg_core.testing.fixtures.objective_values import (
 from moseg_core.testing.fixtures.problems import evaluator_on, labels_of, vectors
 from moseg_core.testing.fixtures.recording import watched
 from moseg_core.testing.fixtures.shapes import ZOO, lump, mapped, slicings, specimen
-from moseg_core.testing.fixtures.trial import Trial, required
+from moseg_core.testing.fixtures.trial import Trial, declared, required
 from moseg_core.types import FloatArray
 
 
@@ -170,6 +173,39 @@ def _keeps_shapes_apart(subject: Subject) -> None:
         fix="keep no values of your own; what is worth keeping is a measure, which the core"
         " remembers: part.measure('bundle:name')",
     )
+
+
+@check("objective-expects-a-share", kinds=["objective"])
+def _expects_a_share(subject: Subject) -> None:
+    """Searches place their seeds by the share of the area that a part is expected to have."""
+    traits = subject.load().traits
+    if traits.share is None:
+        raise Skip("it says nothing of shares")
+    for given in _calls_allowed(subject):
+        try:
+            traits.expected_share(given)
+        except UsageError:
+            continue  # its parameters do not go together, and it says so
+        except Exception as error:  # a stranger's objective may raise anything
+            said = format_call("", parameters=given.items()) or "no parameters"
+            raise ContractFailure(
+                did=f"the share that it expects was asked for, given {said}",
+                got=describe(error),
+                expected="a number above 0 and at most 1, or None",
+                fix="return None where the parameters, those that a call gives and no defaults, do"
+                " not tell",
+            ) from error
+
+
+def _calls_allowed(subject: Subject) -> list[dict[str, Any]]:
+    """What a call may give: what it must, each other parameter alone, all of them together."""
+    fixed = required(subject)
+    values = {parameter.name: within(parameter) for parameter in declared(subject)}
+    alone = [{name: value} for name, tried in values.items() for value in tried]
+    together: list[dict[str, Any]] = [
+        {name: tried[end] for name, tried in values.items() if tried} for end in (0, -1)
+    ]
+    return [fixed, *({**fixed, **given} for given in (*alone, *together))]
 
 
 # -- Evaluated as the core does ---------------------------------------------------------------

@@ -7,12 +7,31 @@ surface keep a part from getting there.
 
 from __future__ import annotations
 
-from typing import Annotated
+from collections.abc import Mapping
+from typing import Annotated, Any
 
 from moseg_core import Interval, Part, UsageError, objective
 
 
-@objective(range=(0, 1), invariant_to=("rigid", "scale", "reflection", "order", "tessellation"))
+def middle_share(given: Mapping[str, Any]) -> float | None:
+    """The middle of the bounds that a call gives, None where there is no upper one.
+
+    A lower bound alone keeps a part from vanishing, and says little of how large it is.
+
+    Examples
+    --------
+    >>> [middle_share(given) for given in ({"min": 0.1, "max": 0.3}, {"max": 0.3}, {"min": 0.1})]
+    [0.2, 0.15, None]
+    """
+    low, high = given.get("min", 0.0), given.get("max", 1.0)
+    return (low + high) / 2 if 0 < high < 1 else None
+
+
+@objective(
+    range=(0, 1),
+    invariant_to=("rigid", "scale", "reflection", "order", "tessellation"),
+    share=middle_share,
+)
 def area_fraction(
     part: Part,
     *,
@@ -43,6 +62,9 @@ def area_fraction(
     Linear outside, so that a search is led back at the same rate from everywhere; flat inside,
     so that it then leaves the decision to the other terms. What it keeps out is a matter of its
     weight. The area is the surface's: a part that is thick counts no more than one that is thin.
+
+    Where ``max`` is below 1, a part is expected to have a share in the middle of the bounds, from
+    which seeders may start (``Problem.expected_shares``); ``min`` alone says nothing of it.
 
     Examples
     --------

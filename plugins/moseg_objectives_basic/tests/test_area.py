@@ -43,6 +43,26 @@ def test_sums_over_labels(eighth):
     assert found.cost.value == pytest.approx(2 * (0.075 + 0.375), rel=1e-14)
 
 
+@pytest.mark.parametrize(
+    ("bounds", "share"),
+    [
+        ("", None),
+        ("min=0.2", None),
+        ("min=0.2, max=1", None),
+        ("min=0.1, max=0.3", 0.2),
+        ("max=0.3", 0.15),
+        ("min=0, max=0.3", 0.15),
+        ("min=0.5, max=0.5", 0.5),
+        ("max=0", None),
+        ("min=0, max=0", None),
+    ],
+)
+def test_the_share_that_the_bounds_let_expect(bounds, share):
+    term = f"area_fraction(a, {bounds})" if bounds else "area_fraction(a)"
+    expected = Problem(["a", "b"], f"{term} + narrow(b)").expected_shares
+    np.testing.assert_allclose(expected, np.array([share, None], float), rtol=1e-15)
+
+
 def test_bounds_the_wrong_way_round(make, eighth):
     whole = make.part(make.box(1, 1, 1))
     with pytest.raises(UsageError, match=r"min=0\.6 and max=0\.5"):

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from typing import Annotated
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from moseg_core.components.discovery.specs import ObjectiveSpec
 from moseg_core.components.objectives import objective
+from moseg_core.components.parameters import Interval
 from moseg_core.components.part import Part
 
 _NAMES = {
@@ -17,6 +19,7 @@ _NAMES = {
     "objective-sees-its-parts": "counts_labels",
     "objective-requires-what-it-reads": "looks_for_a_volume",
     "objective-keeps-shapes-apart": "goes_by_the_name",
+    "objective-expects-a-share": "expects_whatever_is_said",
     "objective-memo-equals-fresh": "looks_into_the_memo",
     "objective-batch-equals-loop": "gets_tired",
 }
@@ -80,6 +83,12 @@ def goes_by_the_name(part: Part) -> float:
     if key not in cache:
         cache[key] = float(part.scales[1] / part.scales[0])
     return cache[key]
+
+
+@objective(range=(0, 1), share=lambda given: given.get("share"))
+def expects_whatever_is_said(part: Part, *, share: Annotated[float, Interval(0, 1)] = 0.5) -> float:
+    """With a share of 0 no part is content."""
+    return abs(part.area / part.shape.area - share)
 
 
 @objective(range=(0, 1))
