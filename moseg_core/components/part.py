@@ -264,6 +264,23 @@ class Part:
         self._require_area()
         return self._tables.field(name, parameters)[self._index]
 
+    def field_of_shape(self, name: str, **parameters: Any) -> float:
+        """A field's mean over the whole shape by area, with which the part's can be compared.
+
+        Parameters
+        ----------
+        name : str
+            ``bundle:name`` of the field, or the name alone where it is unique.
+        **parameters
+            The field's own parameters.
+
+        Raises
+        ------
+        ShapeError, UsageError, PluginError
+            As for :func:`moseg_core.field_values`.
+        """
+        return self._tables.mean_of_all(name, parameters)
+
     @property
     def boundary(self) -> Boundary:
         """Where the part meets all others.

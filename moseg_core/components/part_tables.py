@@ -57,6 +57,10 @@ class PartTables:
             self._fields[asked] = [FieldSummary._make(row) for row in found.tolist()]
         return self._fields[asked]
 
+    def mean_of_all(self, name: str, parameters: dict[str, Any]) -> float:
+        """A field's mean over the whole shape."""
+        return field_sums(self._level, self._lookup.field(name), parameters).middle
+
     def boundary(self, part: int) -> Boundary:
         """The boundary of a part with all others."""
         return Boundary(

@@ -96,6 +96,16 @@ def test_summaries_are_those_of_the_elements_on_every_level(seed, n):
             assert found.fields("height")[k] == summary
 
 
+def test_the_mean_over_the_shape_is_the_same_for_every_part_on_every_level():
+    shape = capsule()
+    mean = np.average(2 * shape.points[:, 2], weights=shape.areas)
+    for level in (shape, coarsen(shape, 20)):
+        labels = np.arange(level.n_elements) % 2
+        parts = Segmentation.from_labels(level, labels, 3, lookup=Heights()).parts
+        for part in parts:
+            assert part.field_of_shape("height", factor=2.0) == pytest.approx(mean)
+
+
 def test_the_spread_does_not_drown_in_a_large_mean():
     vertices, faces = shapes.rectangle(4.0, 1.0, 40, 2)
     heights = Heights(lambda shape: 1e9 + shape.points[:, 0])

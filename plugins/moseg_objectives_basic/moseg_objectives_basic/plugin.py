@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from moseg_core import MeasureSpec, ObjectiveSpec, RecipeSpec, hookimpl
+from moseg_core import FieldSpec, MeasureSpec, ObjectiveSpec, RecipeSpec, hookimpl
 
 _PACKAGE = "moseg_objectives_basic"
 
@@ -64,6 +64,51 @@ def moseg_objectives() -> list[ObjectiveSpec]:
             summary="one part: its share of the area is within the bounds",
         ),
         ObjectiveSpec(
+            name="thin",
+            target=f"{_PACKAGE}.girth:thin",
+            summary="one part: thin, beside the whole shape",
+        ),
+        ObjectiveSpec(
+            name="thick",
+            target=f"{_PACKAGE}.girth:thick",
+            summary="one part: thick, beside the whole shape",
+        ),
+        ObjectiveSpec(
+            name="even_thickness",
+            target=f"{_PACKAGE}.girth:even_thickness",
+            summary="one part: as thick everywhere",
+        ),
+        ObjectiveSpec(
+            name="central",
+            target=f"{_PACKAGE}.middle:central",
+            summary="one part: near the middle of the shape",
+        ),
+        ObjectiveSpec(
+            name="remote",
+            target=f"{_PACKAGE}.middle:remote",
+            summary="one part: far from the middle of the shape",
+        ),
+        ObjectiveSpec(
+            name="small",
+            target=f"{_PACKAGE}.size:small",
+            summary="one part: of little area",
+        ),
+        ObjectiveSpec(
+            name="large",
+            target=f"{_PACKAGE}.size:large",
+            summary="one part: of much area",
+        ),
+        ObjectiveSpec(
+            name="short_boundary",
+            target=f"{_PACKAGE}.seams:short_boundary",
+            summary="one part: its boundary is short for its area",
+        ),
+        ObjectiveSpec(
+            name="creased_boundary",
+            target=f"{_PACKAGE}.seams:creased_boundary",
+            summary="one part: its boundary lies in creases",
+        ),
+        ObjectiveSpec(
             name="perpendicular",
             target=f"{_PACKAGE}.axes:perpendicular",
             summary="two parts: long axes at a right angle",
@@ -79,6 +124,11 @@ def moseg_objectives() -> list[ObjectiveSpec]:
             summary="two parts: long axes on one line",
         ),
         ObjectiveSpec(
+            name="above",
+            target=f"{_PACKAGE}.order:above",
+            summary="two parts: the first is higher up than the second",
+        ),
+        ObjectiveSpec(
             name="similar_proportions",
             target=f"{_PACKAGE}.similarity:similar_proportions",
             summary="several parts: alike in length, width and height",
@@ -89,9 +139,29 @@ def moseg_objectives() -> list[ObjectiveSpec]:
             summary="several parts: alike in proportions, whatever their size",
         ),
         ObjectiveSpec(
+            name="touching",
+            target=f"{_PACKAGE}.neighbours:touching",
+            summary="several parts: the first touches each of the others",
+        ),
+        ObjectiveSpec(
+            name="apart",
+            target=f"{_PACKAGE}.neighbours:apart",
+            summary="several parts: no two of them touch",
+        ),
+        ObjectiveSpec(
             name="convex_parts",
             target=f"{_PACKAGE}.convexity:convex_parts",
             summary="all parts: their convex hulls fill the volume once",
+        ),
+        ObjectiveSpec(
+            name="short_boundaries",
+            target=f"{_PACKAGE}.seams:short_boundaries",
+            summary="all parts: their boundaries are short together",
+        ),
+        ObjectiveSpec(
+            name="creased_boundaries",
+            target=f"{_PACKAGE}.seams:creased_boundaries",
+            summary="all parts: their boundaries lie in creases",
         ),
     ]
 
@@ -121,6 +191,53 @@ def moseg_measures() -> list[MeasureSpec]:
             target=f"{_PACKAGE}.surface_distance:surface_tree",
             summary="search tree for distances to the part's surface",
             keep=False,
+        ),
+        MeasureSpec(
+            name="element_tree",
+            target=f"{_PACKAGE}.neighbours:element_tree",
+            summary="search tree over the part's elements",
+            keep=False,
+        ),
+    ]
+
+
+@hookimpl
+def moseg_fields() -> list[FieldSpec]:
+    """What every element is like."""
+    return [
+        FieldSpec(
+            name="thickness",
+            target=f"{_PACKAGE}.fields.thickness:thickness",
+            summary="how far it is to the other side, in diagonals of the shape",
+            requires=("surface",),
+            invariant_to=("rigid", "scale", "reflection", "order", "tessellation"),
+        ),
+        FieldSpec(
+            name="remoteness",
+            target=f"{_PACKAGE}.fields.remoteness:remoteness",
+            summary="mean distance to the whole surface, 1 in the middle",
+            requires=("adjacency",),
+            invariant_to=("rigid", "scale", "reflection", "order"),
+        ),
+        FieldSpec(
+            name="concavity",
+            target=f"{_PACKAGE}.fields.concavity:concavity",
+            summary="how sharply the surface turns in: 2 at most, 0 where flat",
+            requires=("surface", "adjacency"),
+            invariant_to=("rigid", "scale", "reflection", "order"),
+        ),
+        FieldSpec(
+            name="uncreased",
+            target=f"{_PACKAGE}.fields.concavity:uncreased",
+            summary="how little a boundary is expected: 0 in creases, 1 on bulges",
+            requires=("surface", "adjacency"),
+            invariant_to=("rigid", "scale", "reflection", "order"),
+        ),
+        FieldSpec(
+            name="height",
+            target=f"{_PACKAGE}.fields.height:height",
+            summary="how high up, 0 at the lowest vertex, 1 at the highest",
+            invariant_to=("scale", "order", "tessellation"),
         ),
     ]
 

@@ -1,0 +1,120 @@
+"""Objectives on how thick a part is: thin, thick, even_thickness. 0 is best.
+
+Thickness is the field :mod:`moseg_objectives_basic.fields.thickness`, how far it is to the other
+side: a table's top is thin, a leg is thinner than the body. Unlike ``narrow`` and ``flat`` it does
+not depend on how long a part was cut.
+"""
+
+from __future__ import annotations
+
+from moseg_core import Part, objective
+
+_FIELD = "basic:thickness"
+
+
+@objective(
+    range=(0, 1),
+    requires=("surface",),
+    invariant_to=("rigid", "scale", "reflection", "order", "tessellation"),
+    fields=(_FIELD,),
+)
+def thin(part: Part) -> float:
+    """``t / (t + T)``: how thick the part is, beside the whole shape.
+
+    Parameters
+    ----------
+    part : Part
+
+    Returns
+    -------
+    float
+        ``t`` is the mean thickness of the part, ``T`` that of the whole shape: 1/2 where the
+        part is as thick as the shape, 1/3 where it is half as thick; 0 is best.
+
+    Notes
+    -----
+    Thickness after Shapira et al. 2008, doi:10.1007/s00371-007-0197-5.
+
+    Examples
+    --------
+    >>> import moseg_core as moseg
+    >>> hammer = moseg.load(moseg.sample_path("hammer"))
+    >>> truth = moseg.read_labels(moseg.sample_labels_path("hammer"), hammer.n_elements)
+    >>> found = moseg.Problem(truth.names, "thin(*)").evaluate(hammer, truth.labels)
+    >>> handle, head = (call.value for call in found.terms[0].calls)
+    >>> bool(0.4 < handle < head < 0.6)
+    True
+    """
+    own = part.field(_FIELD).mean
+    return own / (own + part.field_of_shape(_FIELD))
+
+
+@objective(
+    range=(0, 1),
+    requires=("surface",),
+    invariant_to=("rigid", "scale", "reflection", "order", "tessellation"),
+    fields=(_FIELD,),
+)
+def thick(part: Part) -> float:
+    """``T / (t + T)``: how thin the part is, beside the whole shape.
+
+    Parameters
+    ----------
+    part : Part
+
+    Returns
+    -------
+    float
+        ``1 - thin``, see :func:`thin`; 0 is best.
+
+    Notes
+    -----
+    Thickness after Shapira et al. 2008, doi:10.1007/s00371-007-0197-5.
+
+    Examples
+    --------
+    >>> import moseg_core as moseg
+    >>> hammer = moseg.load(moseg.sample_path("hammer"))
+    >>> found = moseg.Problem(["all"], "thick(all)").evaluate(hammer, [0] * hammer.n_elements)
+    >>> round(found.cost.value, 9)
+    0.5
+    """
+    whole = part.field_of_shape(_FIELD)
+    return whole / (part.field(_FIELD).mean + whole)
+
+
+@objective(
+    range=(0, 1),
+    requires=("surface",),
+    invariant_to=("rigid", "scale", "reflection", "order", "tessellation"),
+    fields=(_FIELD,),
+)
+def even_thickness(part: Part) -> float:
+    """``d / (d + t)``: how much the thickness varies over the part.
+
+    Parameters
+    ----------
+    part : Part
+
+    Returns
+    -------
+    float
+        ``t`` is the mean thickness of the part, ``d`` its standard deviation. 0 where the part is
+        as thick everywhere, 1/2 where it varies by as much as it is thick; 0 is best.
+
+    Notes
+    -----
+    Thickness after Shapira et al. 2008, doi:10.1007/s00371-007-0197-5.
+
+    Examples
+    --------
+    >>> import moseg_core as moseg
+    >>> hammer = moseg.load(moseg.sample_path("hammer"))
+    >>> truth = moseg.read_labels(moseg.sample_labels_path("hammer"), hammer.n_elements)
+    >>> found = moseg.Problem(truth.names, "even_thickness(*)").evaluate(hammer, truth.labels)
+    >>> handle, head = (call.value for call in found.terms[0].calls)
+    >>> bool(handle < head)
+    True
+    """
+    own = part.field(_FIELD)
+    return own.spread / (own.spread + own.mean)

@@ -1,0 +1,114 @@
+"""Objectives on which parts are next to each other: touching, apart. 0 is best.
+
+Two parts touch where elements of one are neighbours of elements of the other. ``touching`` leads
+parts to each other by the gap between them, ``apart`` parts away from each other by how much of
+their boundaries they share.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from moseg_core import Part, objective
+
+
+@objective(
+    range=(0, 1),
+    requires=("adjacency",),
+    invariant_to=("rigid", "scale", "reflection", "order"),
+    cost="moderate",
+)
+def touching(parts: Sequence[Part]) -> float:
+    """``mean_i gap(P_1, P_i) / d``: whether the first part touches each of the others.
+
+    Parameters
+    ----------
+    parts : sequence of Part
+        Two or more: ``touching(body, leg*)`` wants each leg at the body.
+
+    Returns
+    -------
+    float
+        ``gap`` is 0 where two parts touch, else the least distance between the middles of their
+        elements; ``d`` is the diagonal of the shape's bounding box in its principal axes. 0 where
+        all touch the first; 0 is best.
+
+    Notes
+    -----
+    A gap is straight, through the air where need be. During a search on a coarse shape the elements
+    are its own, and a gap is about one of them longer.
+
+    Examples
+    --------
+    >>> from moseg_core import Problem, Shape
+    >>> strip = Shape.from_mesh([[x, y, 0] for x in range(5) for y in (0, 3)],
+    ...                         [[2 * k, 2 * k + 2, 2 * k + 3, 2 * k + 1] for k in range(4)])
+    >>> problem = Problem(["a", "b", "c"], "touching(a, b, c)")
+    >>> problem.evaluate(strip, [0, 1, 2, 2]).cost.value  # c is two beside a, of a diagonal of 5
+    0.2
+    """
+    first, *others = parts
+    gaps = 0.0
+    for other in others:
+        if not first.boundary_with(other).length > 0:
+            one, two = sorted((first, other), key=lambda part: len(part.level_elements))
+            tree: cKDTree = two.measure("basic:element_tree")
+            gaps += float(np.min(tree.query(one.level.points[one.level_elements])[0]))
+    return min(1.0, gaps / len(others) / first.shape.box_diagonal)
+
+
+@objective(
+    range=(0, 1),
+    requires=("adjacency",),
+    invariant_to=("rigid", "scale", "reflection", "order", "tessellation", "labels"),
+)
+def apart(parts: Sequence[Part]) -> float:
+    """``mean_ij L_ij / min(L_i, L_j)``: how much of their boundaries parts have with each other.
+
+    Parameters
+    ----------
+    parts : sequence of Part
+        Two or more: ``apart(leg*)`` wants no two legs to touch.
+
+    Returns
+    -------
+    float
+        ``L_ij`` is the length of the boundary between two parts, ``L_i`` that of the whole
+        boundary of one; the mean is over all pairs. 0 where no two touch, 1 where each
+        has the whole shorter boundary with each other; 0 is best.
+
+    Examples
+    --------
+    >>> from moseg_core import Problem, Shape
+    >>> strip = Shape.from_mesh([[x, y, 0] for x in range(5) for y in (0, 3)],
+    ...                         [[2 * k, 2 * k + 2, 2 * k + 3, 2 * k + 1] for k in range(4)])
+    >>> problem = Problem(["a", "b", "c"], "apart(a, b) + apart(a, c)")
+    >>> [term.value for term in problem.evaluate(strip, [0, 1, 2, 2]).terms]
+    [1.0, 0.0]
+    """
+    shares, pairs = 0.0, 0
+    for first, second in itertools.combinations(parts, 2):
+        pairs += 1
+        shared = first.boundary_with(second).length
+        if shared > 0:
+            shares += shared / min(first.boundary.length, second.boundary.length)
+    return min(1.0, shares / pairs)
+
+
+def element_tree(part: Part) -> Any:
+    """Search tree over the middles of a part's elements on the level that is labelled.
+
+    Parameters
+    ----------
+    part : Part
+
+    Returns
+    -------
+    scipy.spatial.cKDTree
+    """
+    return cKDTree(part.level.points[part.level_elements])

@@ -1,0 +1,170 @@
+"""Objectives on the boundaries of parts: how short they are, and whether they lie in creases.
+
+People see the end of a part where the surface turns in (the minima rule of Hoffman and Richards
+1984, doi:10.1016/0010-0277(84)90022-2), and where it is narrow (the short-cut rule of Singh,
+Seyranian and Hoffman 1999, doi:10.3758/bf03206891). ``short_boundary`` and ``creased_boundary`` are
+of one part, ``short_boundaries`` and ``creased_boundaries`` of all. 0 is best.
+"""
+
+from __future__ import annotations
+
+import math
+
+from moseg_core import Part, Segmentation, objective
+
+_UNCREASED = "basic:uncreased"
+
+
+@objective(
+    range=(0, 1),
+    requires=("adjacency",),
+    invariant_to=("rigid", "scale", "reflection", "order", "tessellation"),
+)
+def short_boundary(part: Part) -> float:
+    """``L / (L + sqrt(4 pi A))``: how long the part's boundary is, for its area.
+
+    Parameters
+    ----------
+    part : Part
+
+    Returns
+    -------
+    float
+        ``L`` is the length of the boundary, ``A`` the area, and the root the boundary of a disc
+        of that area: 1/2 for a disc cut out of a plane, less for a finger cut off at its root,
+        0 where the part has no boundary; 0 is best. Of a part of a solid, ``L`` is the area of
+        the cut, ``A`` the volume, and in place of the root stands the surface of a ball,
+        ``(36 pi A^2)^(1/3)``.
+
+    Notes
+    -----
+    The short-cut rule, Singh, Seyranian and Hoffman 1999, doi:10.3758/bf03206891.
+
+    Examples
+    --------
+    >>> from moseg_core import Problem, Shape
+    >>> strip = Shape.from_mesh([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [5, 0, 0], [5, 1, 0]],
+    ...                         [[0, 1, 2, 3], [1, 4, 5, 2]])
+    >>> round(Problem(["a", "b"], "short_boundary(b)").evaluate(strip, [0, 1]).cost.value, 4)
+    0.1236
+    """
+    length, area = part.boundary.length, part.area
+    if part.shape.solid:
+        return length / (length + math.cbrt(36.0 * math.pi * area**2))
+    return length / (length + math.sqrt(4.0 * math.pi * area))
+
+
+@objective(
+    range=(0, math.inf),
+    requires=("adjacency",),
+    invariant_to=("rigid", "scale", "reflection", "order", "tessellation", "labels"),
+)
+def short_boundaries(segmentation: Segmentation) -> float:
+    """``L / d``: how long all boundaries are together, in diagonals of the shape.
+
+    Parameters
+    ----------
+    segmentation : Segmentation
+
+    Returns
+    -------
+    float
+        ``d`` is the diagonal of the shape's bounding box in its principal axes. 0 is best. Of a
+        solid ``L`` is the area of all cuts, and it is divided by ``d^2``.
+
+    Notes
+    -----
+    The short-cut rule, Singh, Seyranian and Hoffman 1999, doi:10.3758/bf03206891.
+
+    Examples
+    --------
+    >>> from moseg_core import Problem, Shape
+    >>> strip = Shape.from_mesh([[0, 0, 0], [1, 0, 0], [1, 3, 0], [0, 3, 0], [4, 0, 0], [4, 3, 0]],
+    ...                         [[0, 1, 2, 3], [1, 4, 5, 2]])
+    >>> round(Problem(["a", "b"], "short_boundaries").evaluate(strip, [0, 1]).cost.value, 9)
+    0.6
+    """
+    shape = segmentation.shape
+    unit = shape.box_diagonal**2 if shape.solid else shape.box_diagonal
+    return segmentation.boundaries.length / unit
+
+
+@objective(
+    range=(0, 1),
+    requires=("surface", "adjacency"),
+    invariant_to=("rigid", "scale", "reflection", "order"),
+    fields=(_UNCREASED,),
+)
+def creased_boundary(part: Part) -> float:
+    """``mean (clip(1 - c, 0.15, 1.5) - 0.15) / 1.35``: how little of the boundary lies in creases.
+
+    Parameters
+    ----------
+    part : Part
+
+    Returns
+    -------
+    float
+        ``c`` is the concavity along the part's boundary. 0 where all of it lies in sharp creases,
+        0.63 where the surface is flat, 1 on ridges that bulge in all directions; 0 is best. A
+        part without boundary ends where the surface does, and has 0.
+
+    Notes
+    -----
+    The minima rule, Hoffman and Richards 1984, doi:10.1016/0010-0277(84)90022-2.
+
+    Examples
+    --------
+    >>> import moseg_core as moseg
+    >>> hammer = moseg.load(moseg.sample_path("hammer"))
+    >>> truth = moseg.read_labels(moseg.sample_labels_path("hammer"), hammer.n_elements)
+    >>> halves = (hammer.points[:, 0] > hammer.frame.center[0]).astype(int)
+    >>> problem = moseg.Problem(truth.names, "creased_boundary(head)")
+    >>> values = [problem.evaluate(hammer, each).cost.value for each in (truth.labels, halves)]
+    >>> bool(values[0] < values[1])
+    True
+    """
+    boundary = part.boundary
+    return _within(boundary.mean(_UNCREASED)) if boundary.length > 0 else 0.0
+
+
+@objective(
+    range=(0, 1),
+    requires=("surface", "adjacency"),
+    invariant_to=("rigid", "scale", "reflection", "order", "labels"),
+    fields=(_UNCREASED,),
+)
+def creased_boundaries(segmentation: Segmentation) -> float:
+    """``mean (clip(1 - c, 0.15, 1.5) - 0.15) / 1.35``: how little of all boundaries is in creases.
+
+    Parameters
+    ----------
+    segmentation : Segmentation
+
+    Returns
+    -------
+    float
+        ``c`` is the concavity along the boundaries, see :func:`creased_boundary`: 0 to 1; 0 is
+        best, and what there is without boundaries.
+
+    Notes
+    -----
+    The minima rule, Hoffman and Richards 1984, doi:10.1016/0010-0277(84)90022-2. A mean: times
+    ``short_boundaries`` it would be the cost of all boundaries, so much for each piece.
+
+    Examples
+    --------
+    >>> import moseg_core as moseg
+    >>> hammer = moseg.load(moseg.sample_path("hammer"))
+    >>> truth = moseg.read_labels(moseg.sample_labels_path("hammer"), hammer.n_elements)
+    >>> found = moseg.Problem(truth.names, "creased_boundaries").evaluate(hammer, truth.labels)
+    >>> bool(0 < found.cost.value < 0.63)
+    True
+    """
+    boundaries = segmentation.boundaries
+    return _within(boundaries.mean(_UNCREASED)) if boundaries.length > 0 else 0.0
+
+
+def _within(value: float) -> float:
+    """A mean of numbers from 0 to 1, without what rounding adds."""
+    return min(1.0, max(0.0, value))
