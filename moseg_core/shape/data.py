@@ -268,6 +268,11 @@ class ShapeData:
         return float(self.areas.sum())
 
     @cached_property
+    def centroid(self) -> FloatArray:
+        """(3,) float, model units: the area-weighted mean of the surface."""
+        return frozen(self.first_moments.sum(axis=0) / self.area + self.frame.center)
+
+    @cached_property
     def box_diagonal(self) -> float:
         """Diagonal of the bounding box in the shape's own PCA axes, model units.
 

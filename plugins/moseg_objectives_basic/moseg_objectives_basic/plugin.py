@@ -64,6 +64,11 @@ def moseg_objectives() -> list[ObjectiveSpec]:
             summary="one part: its share of the area is within the bounds",
         ),
         ObjectiveSpec(
+            name="is",
+            target=f"{_PACKAGE}.likeness:is_",
+            summary="one part: measures as expected, give or take",
+        ),
+        ObjectiveSpec(
             name="thin",
             target=f"{_PACKAGE}.girth:thin",
             summary="one part: thin, beside the whole shape",

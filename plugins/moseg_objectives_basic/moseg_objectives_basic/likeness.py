@@ -1,0 +1,206 @@
+"""The objective ``is``: what is known of a part, as typical values, give or take.
+
+``is(leg*, area=0.06+-0.02, thickness=0.04+-0.01)`` says it as people have it: a leg has some 6 % of
+the surface, and is a twenty-fifth of the animal thick. Each measure is cheap: sums over the
+elements, fields (:mod:`moseg_objectives_basic.fields`) and boundaries, each made once for all parts
+of a candidate. Measures are shares, ratios to the shape's diagonal or to the part's own size, so
+that targets hold for shapes of any size and in any position.
+
+With all of them given, ``is`` compares a part with a profile: of many parts of one name, the mean
+and spread of each measure.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from typing import Annotated, Any, NamedTuple, TypeAlias
+
+from moseg_core import Interval, Part, Target, objective
+
+_THICKNESS, _REMOTENESS, _CONCAVITY = "basic:thickness", "basic:remoteness", "basic:concavity"
+
+_EXTENT = math.sqrt(12.0)
+"""From the standard deviation along an axis to the length of a rod, or the diameter of a ball."""
+
+
+def _extent(k: int) -> Callable[[Part], float]:
+    return lambda part: _EXTENT * float(part.scales[k]) / part.shape.box_diagonal
+
+
+def _size(part: Part) -> float:
+    """Root of the area, a length; of a solid's part the cube root of the volume."""
+    return math.cbrt(part.area) if part.shape.solid else math.sqrt(part.area)
+
+
+def _unevenness(part: Part) -> float:
+    thickness = part.field(_THICKNESS)
+    return thickness.spread / thickness.mean
+
+
+def _boundary(part: Part) -> float:
+    unit = _size(part)
+    return part.boundary.length / (unit**2 if part.shape.solid else unit)
+
+
+def _crease(part: Part) -> float:
+    boundary = part.boundary
+    return boundary.mean(_CONCAVITY) if boundary.length > 0 else 0.0
+
+
+def _offcenter(part: Part) -> float:
+    return math.dist(part.centroid, part.shape.centroid) / part.shape.box_diagonal
+
+
+def _spread(part: Part) -> float:
+    return math.hypot(*part.scales) / _size(part)
+
+
+class _Measure(NamedTuple):
+    """How a measure of a part is taken, whether ratios count, and the field that it reads."""
+
+    of: Callable[[Part], float]
+    by_ratio: bool
+    field: str | None = None
+
+
+_MEASURES = {
+    "area": _Measure(lambda part: part.area / part.shape.area, True),
+    "length": _Measure(_extent(0), True),
+    "width": _Measure(_extent(1), True),
+    "depth": _Measure(_extent(2), True),
+    "spread": _Measure(_spread, True),
+    "offcenter": _Measure(_offcenter, False),
+    "thickness": _Measure(lambda part: part.field(_THICKNESS).mean, True, _THICKNESS),
+    "unevenness": _Measure(_unevenness, False, _THICKNESS),
+    "remoteness": _Measure(lambda part: part.field(_REMOTENESS).mean, False, _REMOTENESS),
+    "nearest": _Measure(lambda part: part.field(_REMOTENESS).least, False, _REMOTENESS),
+    "farthest": _Measure(lambda part: part.field(_REMOTENESS).greatest, False, _REMOTENESS),
+    "boundary": _Measure(_boundary, True),
+    "crease": _Measure(_crease, False, _CONCAVITY),
+}
+
+_Ratio: TypeAlias = Annotated[Target | None, Interval(1e-6)]
+
+
+def fields_of(given: Mapping[str, Any]) -> tuple[str, ...]:
+    """Ids of the fields that certain measures read.
+
+    Examples
+    --------
+    >>> fields_of({"area": Target(0.1, 0.1), "nearest": Target(1.2, 0.1), "farthest": None})
+    ('basic:remoteness',)
+    """
+    asked = (_MEASURES[name].field for name, target in given.items() if target is not None)
+    return tuple(dict.fromkeys(field for field in asked if field is not None))
+
+
+def expected_share(given: Mapping[str, Any]) -> float | None:
+    """The share of the area that is the target, None without one.
+
+    Examples
+    --------
+    >>> expected_share({"area": Target(0.06, 0.02)}), expected_share({})
+    (0.06, None)
+    """
+    area = given.get("area")
+    return None if area is None else area.value
+
+
+@objective(
+    range=(0, math.inf),
+    invariant_to=("rigid", "scale", "reflection", "order"),
+    fields=fields_of,
+    share=expected_share,
+)
+def is_(
+    part: Part,
+    *,
+    area: Annotated[Target | None, Interval(1e-6, 1)] = None,
+    length: _Ratio = None,
+    width: _Ratio = None,
+    depth: _Ratio = None,
+    spread: _Ratio = None,
+    offcenter: Annotated[Target | None, Interval(0)] = None,
+    thickness: _Ratio = None,
+    unevenness: Annotated[Target | None, Interval(0)] = None,
+    remoteness: Annotated[Target | None, Interval(0)] = None,
+    nearest: Annotated[Target | None, Interval(0)] = None,
+    farthest: Annotated[Target | None, Interval(0)] = None,
+    boundary: _Ratio = None,
+    crease: Target | None = None,
+) -> float:
+    """``mean_m h((m - typical) / spread)``: how far the part is from what is known of it.
+
+    Parameters
+    ----------
+    part : Part
+    area : Target
+        Share of the shape's area, ``area=0.06+-0.02``. Seeders look for parts of that size.
+    length, width, depth : Target
+        Extent along the part's principal axes, in diagonals of the shape: ``sqrt(12)`` times the
+        scales, exact for the length of a rod, the sides of a plate and the diameter of a ball.
+    spread : Target
+        Radius of gyration over the root of the area: 0.28 for a ball, 0.41 for a square, more for
+        what is long.
+    offcenter : Target
+        Distance of the part's centroid from that of the shape, in diagonals.
+    thickness : Target
+        Mean thickness, in diagonals.
+    unevenness : Target
+        Standard deviation of the thickness over its mean; 0 where it is even.
+    remoteness, nearest, farthest : Target
+        Mean, least and greatest remoteness: 1 in the middle of the shape, 2 at the end of a rod.
+    boundary : Target
+        Length of the boundary over the root of the area; 3.5 for a disc.
+    crease : Target
+        Mean concavity along the boundary, from -2 to 2; 0 where the surface is flat, and without
+        a boundary.
+
+    Returns
+    -------
+    float
+        The mean over the measures that are given, of ``h(z) = z^2`` up to 2 spreads from the
+        typical value and ``4 |z| - 4`` beyond: 0 at all targets, 1 where all are one spread
+        away; 0 is best, and what there is where nothing is given. For area, length, width,
+        depth, spread, thickness and boundary ratios count: half as much is as far away as twice
+        as much (:meth:`moseg_core.Target.ratio_cost`).
+
+    Notes
+    -----
+    ``h`` is Huber's, 1964, doi:10.1214/aoms/1177703732: a part that is quite another weighs no more
+    than several that are a little off. On solids, areas are volumes, lengths of boundaries
+    areas, and roots are taken accordingly.
+
+    Examples
+    --------
+    >>> from moseg_core import Problem, Shape
+    >>> strip = Shape.from_mesh([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [5, 0, 0], [5, 1, 0]],
+    ...                         [[0, 1, 2, 3], [1, 4, 5, 2]])
+    >>> problem = Problem(["a", "b"], "is(a, area=0.1+-0.1) + is(b, area=0.8+-0.1, boundary=1+-1)")
+    >>> [round(term.value, 9) for term in problem.evaluate(strip, [0, 1]).terms]
+    [1.0, 0.5]
+    """
+    given = {
+        "area": area,
+        "length": length,
+        "width": width,
+        "depth": depth,
+        "spread": spread,
+        "offcenter": offcenter,
+        "thickness": thickness,
+        "unevenness": unevenness,
+        "remoteness": remoteness,
+        "nearest": nearest,
+        "farthest": farthest,
+        "boundary": boundary,
+        "crease": crease,
+    }
+    total, count = 0.0, 0
+    for name, target in given.items():
+        if target is not None:
+            measure = _MEASURES[name]
+            found = measure.of(part)
+            total += target.ratio_cost(found) if measure.by_ratio else target.cost(found)
+            count += 1
+    return total / count if count else 0.0
