@@ -109,19 +109,12 @@ class Part:
         centroid: FloatArray = self.moments[1:4] / self.moments[0] + self.shape.frame.center
         return frozen(centroid)
 
-    @cached_property
+    @property
     def _principal(self) -> tuple[FloatArray, FloatArray]:
         self._require_area()
-        mean = self.moments[1:4] / self.moments[0]
-        xx, xy, xz, yy, yz, zz = self.moments[4:10] / self.moments[0]
-        covariance = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) - np.outer(mean, mean)
-        values, vectors = np.linalg.eigh(covariance)
-        # What the subtraction leaves of a flat part's thickness is rounding, not thickness.
-        values[values < 1e-14 * (xx + yy + zz)] = 0.0
-        axes = vectors.T[::-1]
-        largest = np.abs(axes).argmax(axis=1)
-        axes = axes * np.sign(axes[np.arange(3), largest])[:, None]
-        return frozen(np.sqrt(values[::-1])), frozen(axes)
+        found = self._tables.principal[self._index]
+        assert found is not None  # the part has an area
+        return found
 
     @property
     def scales(self) -> FloatArray:

@@ -28,16 +28,19 @@ class PartTables:
     ----------
     level : Shape
     labels : (F of `level`,) int32
-    areas : (n,) float
-        Of the parts.
+    moments : (n, 10) float
+        Area, first and second moments of the parts about the shape's centre.
     lookup : Lookup
         Where fields are found.
     """
 
-    def __init__(self, level: Shape, labels: Int32Array, areas: FloatArray, lookup: Lookup) -> None:
+    def __init__(
+        self, level: Shape, labels: Int32Array, moments: FloatArray, lookup: Lookup
+    ) -> None:
         self._level = level
         self._labels = labels
-        self._areas = areas
+        self._moments = moments
+        self._areas = moments[:, 0]
         self._lookup = lookup
         self._fields: dict[Hashable, list[FieldSummary]] = {}
         self._along: dict[Hashable, tuple[FloatArray, FloatArray]] = {}
@@ -56,6 +59,26 @@ class PartTables:
             found = sums.summarize(self._areas, rows)
             self._fields[asked] = [FieldSummary._make(row) for row in found.tolist()]
         return self._fields[asked]
+
+    @cached_property
+    def principal(self) -> list[tuple[FloatArray, FloatArray] | None]:
+        """Of every part the scales, (3,), and axes, (3, 3); None of one without area."""
+        found: list[tuple[FloatArray, FloatArray] | None] = [None] * len(self._areas)
+        some = np.flatnonzero(self._areas > 0)
+        mean = self._moments[some, 1:4] / self._areas[some, None]
+        second = self._moments[some, 4:10] / self._areas[some, None]
+        square = second[:, [0, 1, 2, 1, 3, 4, 2, 4, 5]].reshape(-1, 3, 3)
+        values, vectors = np.linalg.eigh(square - mean[:, :, None] * mean[:, None, :])
+        # What the subtraction leaves of a flat part's thickness is rounding, not thickness.
+        values[values < 1e-14 * (second[:, 0] + second[:, 3] + second[:, 5])[:, None]] = 0.0
+        axes = vectors.transpose(0, 2, 1)[:, ::-1]
+        largest = np.abs(axes).argmax(axis=2)[:, :, None]
+        axes = axes * np.sign(np.take_along_axis(axes, largest, axis=2))
+        scales = frozen(np.sqrt(values[:, ::-1]))
+        frozen(axes)
+        for row, part in enumerate(some.tolist()):
+            found[part] = scales[row], axes[row]
+        return found
 
     def mean_of_all(self, name: str, parameters: dict[str, Any]) -> float:
         """A field's mean over the whole shape."""

@@ -193,7 +193,7 @@ class Segmentation:
 
     @cached_property
     def _tables(self) -> PartTables:
-        return PartTables(self.level, self.level_labels, self.summary.moments[:, 0], self.lookup)
+        return PartTables(self.level, self.level_labels, self.summary.moments, self.lookup)
 
     def fields(self, name: str, **parameters: Any) -> tuple[FieldSummary, ...]:
         """A field over every part, in label order; NaN for the mean of a part without area.

@@ -10,6 +10,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from functools import cached_property
 from numbers import Real
 
 from moseg_core.language.target import Target
@@ -88,7 +89,7 @@ class Term:
     space: str = ""
     space_span: tuple[int, int] = field(default=(0, 0), compare=False)
 
-    @property
+    @cached_property
     def call(self) -> str:
         """The term without its weight: ``narrow(leg*)``, ``convex_parts @ mds``."""
         labels = [argument.pattern for argument in self.arguments]

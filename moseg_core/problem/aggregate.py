@@ -187,7 +187,7 @@ def call_value(
     level = segmentation.level
     concerned = range(len(parts)) if term.objective.traits.arity == "global" else call
     members = tuple(parts[k].membership for k in concerned)
-    key = (*term.memo_key, members, *level.key)
+    key = (term.memo_key, members, *level.key)
 
     def compute() -> float:
         subject: object = segmentation

@@ -8,8 +8,9 @@ add up; an n-ary one is called once with all of them; a global one once with no 
 from __future__ import annotations
 
 import fnmatch
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 from moseg_core.components.discovery.registry import Registry, describe
@@ -106,11 +107,26 @@ class BoundTerm:
                 f" area it expects in '{self.term.call}': {describe(error)}; {REPORT}"
             ) from error
 
-    @property
-    def memo_key(self) -> tuple[Any, ...]:
+    @cached_property
+    def memo_key(self) -> Hashable:
         """What tells this objective with these parameters from all others."""
         # The object too: two functions of the calling program may have one name.
-        return (self.id, _Same(self.objective), tuple(sorted(self.parameters.items())))
+        return _Hashed(self.id, _Same(self.objective), *sorted(self.parameters.items()))
+
+
+class _Hashed:
+    """A tuple that is hashed once: of many parameters that takes longer than a look in a memo."""
+
+    __slots__ = ("_hash", "_values")
+
+    def __init__(self, *values: Hashable) -> None:
+        self._values, self._hash = values, hash(values)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Hashed) and other._values == self._values
+
+    def __hash__(self) -> int:
+        return self._hash
 
 
 class _Same:
