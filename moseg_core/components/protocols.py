@@ -3,7 +3,7 @@
 Only the shape of the calls is fixed here; a component is any object that answers them. The life
 of a search, and who calls whom::
 
-    seeder      evaluator, rng            -> centres                      (Sec. 5)
+    seeder      evaluator, rng            -> centres, maybe weights       (Sec. 5)
     labeler     evaluator, vector         -> which centre gets which label (Sec. 6)
     optimizer   ask() -> vectors, tell(costs), until done                 (Sec. 7)
     evaluator   vectors -> labels (parameterization) -> parts -> costs (objectives)
@@ -226,6 +226,8 @@ class Seeding:
     Parameters
     ----------
     centers : (n, 3) float, model units
+    weights : (n,) float or None
+        Of the centres: positive and finite; only their ratios matter. None: all are 1.
     history : tuple of dict
         One record per round, of numbers only, for the convergence curves.
     warning : str
@@ -235,6 +237,7 @@ class Seeding:
     """
 
     centers: FloatArray
+    weights: FloatArray | None = None
     history: tuple[dict[str, float], ...] = ()
     warning: str = ""
     labelled: bool = False
@@ -273,7 +276,7 @@ def never_stop(progress: Progress) -> bool:
 
 @runtime_checkable
 class Seeder(Protocol):
-    """An initial placement of the centres, all of weight 1 (Sec. 5)."""
+    """An initial placement of the centres, of weight 1 unless it knows better (Sec. 5)."""
 
     def __call__(
         self, evaluator: Evaluator, *, rng: np.random.Generator, report: Report

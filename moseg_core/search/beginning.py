@@ -66,7 +66,8 @@ def begin(
     seeding = None
     if start is None:
         seeding = _seed(ready["seeder"], evaluator, rng, _until(deadline, report))
-        vector = partition.encode(Centers(positions=seeding.centers, weights=np.ones(n)))
+        weights = np.ones(n) if seeding.weights is None else seeding.weights
+        vector = partition.encode(Centers(positions=seeding.centers, weights=weights))
         if not seeding.labelled:
             vector = partition.permute(vector, _label(ready["labeler"], evaluator, vector))
             # Labels that have pins were assigned by their pins, and keep their centres.
@@ -160,9 +161,27 @@ def _seed(
         fits = False
     if not fits:
         raise PluginError(f"{ready.who} must return a Seeding of {n} finite centres; {REPORT}")
+    weights = _weights(seeding, n)
+    if weights is None and seeding.weights is not None:
+        raise PluginError(
+            f"{ready.who} must weigh {n} centres by positive, finite numbers, or return None for"
+            f" weights of 1, not {seeding.weights!r:.80}; {REPORT}"
+        )
     with ready.guard("has a history that is not made of numbers"):
         history = plain_records(seeding.history)
-    return replace(seeding, centers=centers, history=history)
+    return replace(seeding, centers=centers, weights=weights, history=history)
+
+
+def _weights(seeding: Seeding, n: int) -> FloatArray | None:
+    """(n,) float: the weights that a seeder gives; None where it gives none, or impossible ones."""
+    if seeding.weights is None:
+        return None
+    try:
+        weights = np.asarray(seeding.weights, dtype=np.float64)
+    except (TypeError, ValueError):
+        return None
+    fits = weights.shape == (n,) and bool((np.isfinite(weights) & (weights > 0)).all())
+    return weights if fits else None
 
 
 def _until(deadline: float | None, report: Report) -> Report:

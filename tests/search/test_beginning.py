@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import types
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -82,6 +83,37 @@ def test_a_seeder_that_returns_garbage_is_named(garbage):
         r" is not made of numbers|must return a Seeding of 2 finite centres)",
     ):
         begun(on_strip(), seeder(garbage))
+
+
+@pytest.mark.parametrize(
+    "weights",
+    [[1.0], np.ones((2, 1)), [0.0, 1], [-1.0, 1], [np.nan, 1], [1, np.inf], "ab", [1, None], 1.0],
+    ids=["1 of 2", "a column", "0", "-1", "nan", "inf", "text", "None", "a number"],
+)
+def test_a_seeder_with_impossible_weights_is_named(weights):
+    seeding = replace(seeding_at(1, 6), weights=weights)
+    with pytest.raises(
+        PluginError,
+        match=r"seeder 'strange:made' of moseg-strange 2\.0 must weigh 2 centres by positive",
+    ):
+        begun(on_strip(), seeder(seeding))
+
+
+def test_the_search_begins_with_the_weights_of_the_seeder():
+    evaluator = on_strip()
+    for weights, expected in ([0.5, 2], [0.5, 2.0]), (None, [1.0, 1.0]):
+        run = begun(evaluator, seeder(replace(seeding_at(1, 6), weights=weights)))
+        assert squares_of(evaluator, run) == [1, 6]
+        found = evaluator.parameterization.decode(vector_of(evaluator, run)).weights
+        assert found.tolist() == expected
+
+
+def test_labels_go_to_centres_with_their_weights():
+    evaluator = on_strip()
+    run = begun(evaluator, seeder(replace(seeding_at(1, 6), weights=[0.5, 2])), labeler([1, 0]))
+    found = evaluator.parameterization.decode(vector_of(evaluator, run))
+    assert (found.positions[:, 0] - 0.5).tolist() == [6, 1]
+    assert found.weights.tolist() == [2.0, 0.5]
 
 
 @pytest.mark.parametrize(

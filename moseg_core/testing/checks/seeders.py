@@ -1,5 +1,7 @@
 """Checks of seeders: one centre per label, on or near the shape, the same for the same seed.
 
+Weights, where a seeder gives any, are positive and finite, one for each centre.
+
 A search ends near where it began, so what a seeder returns decides much of the result (Sec. 5).
 Two centres in one place leave a part empty, and centres far away make one part of everything: no
 objective can say anything of either. Seeders are tried with one label, with some, and with as
@@ -102,24 +104,51 @@ def _near(subject: Subject) -> None:
             )
 
 
+@check("seeder-weights", kinds=["seeder"])
+def _weights(subject: Subject) -> None:
+    """A weight of 0 leaves a part empty, and one that is no number leaves nothing to compare."""
+    for what, evaluator in _problems():
+        given = getattr(_seeded(subject, evaluator), "weights", None)
+        if given is None:
+            continue
+        n = evaluator.parameterization.n_parts
+        weights = as_numbers(given)
+        if weights.shape != (n,) or not (np.isfinite(weights) & (weights > 0)).all():
+            raise ContractFailure(
+                did=f"it was asked to seed {what}",
+                got=f"weights of shape {weights.shape}"
+                + (f": {weights.round(3).tolist()!s:.60}" if weights.shape == (n,) else ""),
+                expected=f"positive, finite weights of shape ({n},), or None where all are 1",
+                fix="look for the root or the logarithm of a size of 0; only ratios of weights"
+                " matter, so any positive unit will do",
+            )
+
+
 @check("seeder-reproducible", kinds=["seeder"])
 def _reproducible(subject: Subject) -> None:
     """A run is repeated with its seed; that is what users quote and compare."""
     for (what, evaluator), (_, other) in zip(_problems(), _problems(), strict=True):
         seeder = made(subject, meets=(evaluator,))
         first, second = (
-            seeder(on, rng=np.random.default_rng(7), report=never_stop).centers
+            _rows(seeder(on, rng=np.random.default_rng(7), report=never_stop))
             for on in (evaluator, other)
         )
         expect_equal(
             first,
             second,
             did=f"it was asked twice to seed {what}, with rng of the same seed",
-            got="centres that differ by {}",
+            got="centres or weights that differ by {}",
             expected="the same, to the bit",
             fix="draw from the rng that it is given and from nothing else; keep nothing of one"
             " call for the next; go through sets in sorted order",
         )
+
+
+def _rows(seeding: Seeding) -> FloatArray:
+    """(n, 3 or 4) float: centres, and their weights where there are any."""
+    if getattr(seeding, "weights", None) is None:
+        return seeding.centers
+    return np.column_stack([seeding.centers, as_numbers(seeding.weights)])
 
 
 @check("seeder-heeds-report", kinds=["seeder"])

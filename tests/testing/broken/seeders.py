@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from moseg_core.components.discovery.specs import SeederSpec
 from moseg_core.components.protocols import Progress, Seeding
 
@@ -9,6 +11,7 @@ _NAMES = {
     "seeder-count": "OneTooFew",
     "seeder-distinct": "WithReplacement",
     "seeder-near-shape": "UnitCoordinates",
+    "seeder-weights": "WeighsNothing",
     "seeder-reproducible": "RemembersTheLast",
     "seeder-heeds-report": "GoesOn",
 }
@@ -69,6 +72,15 @@ class UnitCoordinates(Drawn):
 
     def chosen(self, evaluator, rng):
         return evaluator.shape.frame.to_unit(super().chosen(evaluator, rng))
+
+
+class WeighsNothing(Drawn):
+    """The first of several labels has a weight of 0."""
+
+    def __call__(self, evaluator, *, rng, report):
+        centers = self.chosen(evaluator, rng)
+        weights = np.arange(1.0, 1 + len(centers))
+        return Seeding(centers=centers, weights=weights - (len(centers) > 1))
 
 
 class RemembersTheLast(Drawn):
