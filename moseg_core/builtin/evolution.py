@@ -22,15 +22,15 @@ Random numbers are drawn in this order, so that the run can be followed by hand:
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from scipy.spatial.distance import cdist
 
+from moseg_core.builtin.genome import Genome
 from moseg_core.components.cost import Cost
 from moseg_core.components.parameters import Interval
-from moseg_core.components.protocols import Centers, Evaluator, Progress, Report, Seeding
+from moseg_core.components.protocols import Evaluator, Progress, Report, Seeding
 from moseg_core.search.assignment import optimal_assignment
 from moseg_core.types import FloatArray, IntArray
 
@@ -73,7 +73,7 @@ class Evolution:
     ) -> Seeding:
         """Evolve, and return the best individual ever seen, centre by label."""
         points = evaluator.shape.unit_points
-        genome = _Genome.of(evaluator)
+        genome = Genome.of(evaluator)
         n = len(genome.labels)
         people = [rng.choice(len(points), n, replace=False) for _ in range(self.population)]
         known: dict[bytes, tuple[Cost, IntArray]] = {}
@@ -98,22 +98,21 @@ class Evolution:
                 break
             people = self._next(people, costs, points, rng, genome.roles)
         assert best is not None  # at least one generation
-        return Seeding(
-            centers=genome.centers(evaluator, best[1]), history=tuple(history), labelled=True
-        )
+        centers = genome.centers(evaluator.shape.points[best[1]]).positions
+        return Seeding(centers=centers, history=tuple(history), labelled=True)
 
     def _evaluate(
         self,
         people: list[IntArray],
         evaluator: Evaluator,
-        genome: _Genome,
+        genome: Genome,
         known: dict[bytes, tuple[Cost, IntArray]],
     ) -> list[Cost]:
         """Costs of a generation; sets of elements seen before are not evaluated again."""
         fresh = {key: genome.sorted(p) for p in people if (key := genome.key(p)) not in known}
         if fresh:
             sets = list(fresh.values())
-            vectors = np.stack([genome.vector(evaluator, s) for s in sets])
+            vectors = np.stack([genome.vector(evaluator.shape.points[s]) for s in sets])
             for key, s, (order, cost) in zip(
                 fresh, sets, evaluator.labelled_costs(vectors), strict=True
             ):
@@ -140,60 +139,6 @@ class Evolution:
         while len(children) < self.population:
             children.append(mutate(winner(), len(points), rng))
         return children
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class _Genome:
-    """What the places of an individual stand for.
-
-    `labels` are the labels that each place is the centre of; places with equal `roles` may be
-    exchanged. Without constraints there is a place for every label, and one role.
-    """
-
-    labels: IntArray
-    roles: IntArray
-
-    @classmethod
-    def of(cls, evaluator: Evaluator) -> _Genome:
-        groups = evaluator.constraints.groups
-        known = list(dict.fromkeys(group.role for group in groups))
-        return cls(
-            labels=np.array([group.members[0] for group in groups]),
-            roles=np.array([known.index(group.role) for group in groups]),
-        )
-
-    def sorted(self, individual: IntArray) -> IntArray:
-        """The individual with its elements in order within each role."""
-        order = np.lexsort((individual, self.roles))
-        ordered = np.empty_like(individual)
-        ordered[np.argsort(self.roles, kind="stable")] = individual[order]
-        return ordered
-
-    def key(self, individual: IntArray) -> bytes:
-        """The same for the same sets of elements, whatever their order."""
-        return self.sorted(individual).tobytes()
-
-    def vector(self, evaluator: Evaluator, individual: IntArray) -> FloatArray:
-        """(m,) float: the partition that an individual stands for."""
-        shape, partition = evaluator.shape, evaluator.parameterization
-        positions = np.repeat(shape.frame.center[None], partition.n_parts, axis=0)
-        positions[self.labels] = shape.points[individual]
-        vector = partition.encode(Centers(positions=positions, weights=np.ones(len(positions))))
-        whole: FloatArray = evaluator.constraints.completed(vector)
-        return whole
-
-    def centers(self, evaluator: Evaluator, individual: IntArray) -> FloatArray:
-        """(n, 3) float, model units: centres of all labels."""
-        if not evaluator.constraints.active:
-            return evaluator.shape.points[individual]
-        return evaluator.parameterization.decode(self.vector(evaluator, individual)).positions
-
-    def places(self, order: IntArray) -> IntArray:
-        """From parts that labels go to, to places that places go to."""
-        place = np.empty(len(order), np.int64)
-        place[self.labels] = np.arange(len(self.labels))
-        chosen: IntArray = place[order[self.labels]]
-        return chosen
 
 
 def cross(

@@ -43,6 +43,11 @@ def moseg_seeders() -> list[SeederSpec]:
             summary="evolutionary search over sets of elements, by the whole cost",
         ),
         SeederSpec(
+            name="sized_evolution",
+            target="moseg_core.builtin.sized_evolution:SizedEvolution",
+            summary="evolution of labelled places and sizes; finds small parts",
+        ),
+        SeederSpec(
             name="given",
             target="moseg_core.builtin.given:Given",
             summary="centres placed by hand: label=x,y,z,label=x,y,z",
