@@ -18,6 +18,10 @@ Three things make the loop fast without changing what comes out:
   They are found by a plain search, in whatever order. Those of them that touch the rest enter the
   queue under their own distance, to be opened when they would have been: until then their path's
   entries stood in the queue below them, so every other entry is popped in the same order.
+
+A part may have several centres, each of which floods. What its centres reach may then lie apart:
+:func:`flood_parts` gives a piece away, by a second flood from all others, where the part has another
+piece on the same component of the graph with a centre that comes before.
 """
 
 from __future__ import annotations
@@ -26,7 +30,7 @@ import numpy as np
 
 from moseg_core.shape.compiled import kernel
 from moseg_core.shape.heap import push, sift
-from moseg_core.types import FloatArray, Int32Array, IntArray
+from moseg_core.types import BoolArray, FloatArray, Int32Array, IntArray
 
 
 @kernel
@@ -105,44 +109,18 @@ def voronoi_labels(
 
 
 @kernel
-def flood_labels(
-    points: FloatArray,
-    centers: FloatArray,
-    weights: FloatArray,
+def _flood(
+    distance: FloatArray,
+    queued: BoolArray,
+    key: FloatArray,
+    code: IntArray,
+    count: int,
     indptr: Int32Array,
     indices: Int32Array,
     labels: Int32Array,
 ) -> None:
-    """Connected weighted Voronoi partition, written into `labels`.
-
-    Parameters
-    ----------
-    points : (F, 3) float
-    centers : (n, 3) float
-        In the same coordinates.
-    weights : (n,) float, positive
-    indptr, indices : (F + 1,), (E,) int32
-        Adjacency in CSR form.
-    labels : (F,) int32, written
-        Index of the centre that each element belongs to.
-    """
-    n, size = centers.shape[0], points.shape[0]
-    distance = _distances(points, centers, weights)
-    nearest = _strictly_nearest(distance)
-    queued = np.zeros((n, size), np.bool_)
-    key = np.empty(n * size)
-    code = np.empty(n * size, np.int64)
-    count = 0
-    labels[:] = -1
-
-    stack = np.empty(size, np.int64)
-    for i in range(n):
-        f = int(np.argmin(distance[i]))
-        if nearest[f] == i:
-            _climb(f, i, distance[i], nearest, indptr, indices, labels, stack)
-        else:
-            queued[i, f] = True
-            count = push(key, code, count, distance[i, f], i * size + f)
+    """Let all that has a label flood what has none, and open the `count` entries queued before."""
+    size = distance.shape[1]
     for g in range(size):
         if labels[g] >= 0:
             continue
@@ -174,6 +152,137 @@ def flood_labels(
             count -= 1
             sift(key, code, count, key[count], code[count])
 
+
+@kernel
+def _floods(
+    distance: FloatArray,
+    key: FloatArray,
+    code: IntArray,
+    indptr: Int32Array,
+    indices: Int32Array,
+    labels: Int32Array,
+) -> None:
+    """Algorithm 1 from a table of distances; -1 for an element that no flood reaches."""
+    n, size = distance.shape
+    nearest = _strictly_nearest(distance)
+    queued = np.zeros((n, size), np.bool_)
+    count = 0
+    labels[:] = -1
+    stack = np.empty(size, np.int64)
+    for i in range(n):
+        f = int(np.argmin(distance[i]))
+        if nearest[f] == i:
+            _climb(f, i, distance[i], nearest, indptr, indices, labels, stack)
+        else:
+            queued[i, f] = True
+            count = push(key, code, count, distance[i, f], i * size + f)
+    _flood(distance, queued, key, code, count, indptr, indices, labels)
+
+
+@kernel
+def flood_labels(
+    points: FloatArray,
+    centers: FloatArray,
+    weights: FloatArray,
+    indptr: Int32Array,
+    indices: Int32Array,
+    labels: Int32Array,
+) -> None:
+    """Connected weighted Voronoi partition, written into `labels`.
+
+    Parameters
+    ----------
+    points : (F, 3) float
+    centers : (n, 3) float
+        In the same coordinates.
+    weights : (n,) float, positive
+    indptr, indices : (F + 1,), (E,) int32
+        Adjacency in CSR form.
+    labels : (F,) int32, written
+        Index of the centre that each element belongs to.
+    """
+    n, size = centers.shape[0], points.shape[0]
+    distance = _distances(points, centers, weights)
+    _floods(distance, np.empty(n * size), np.empty(n * size, np.int64), indptr, indices, labels)
     for f in range(size):
         if labels[f] < 0:
             labels[f] = _nearest(distance, f)
+
+
+@kernel
+def _lie_apart(
+    parts: Int32Array,
+    component: IntArray,
+    indptr: Int32Array,
+    indices: Int32Array,
+    labels: Int32Array,
+) -> BoolArray:
+    """(c,) whether what a centre has reached lies apart from a piece of an earlier centre.
+
+    A piece is what centres of one part have reached together. It lies apart where another one of
+    that part, on the same component, contains the cell of a centre that comes before all of its.
+    """
+    n, size = len(parts), len(labels)
+    first = np.arange(n)  # the first centre of the piece, where it has been joined so far
+    on = np.full(n, -1, np.int64)
+    for f in range(size):
+        i = labels[f]
+        if i < 0:
+            continue
+        on[i] = component[f]
+        for e in range(indptr[f], indptr[f + 1]):
+            j = labels[indices[e]]
+            if j >= 0 and parts[j] == parts[i] and first[j] != first[i]:
+                low, high = min(first[i], first[j]), max(first[i], first[j])
+                for k in range(n):
+                    if first[k] == high:
+                        first[k] = low
+    apart = np.zeros(n, np.bool_)
+    for j in range(n):
+        for i in range(j):
+            same = on[i] >= 0 and on[i] == on[j] and parts[i] == parts[j]
+            if same and first[i] != first[j] and first[i] == i and not apart[i]:
+                apart[j] = True
+    return apart
+
+
+@kernel
+def flood_parts(
+    points: FloatArray,
+    centers: FloatArray,
+    weights: FloatArray,
+    parts: Int32Array,
+    component: IntArray,
+    indptr: Int32Array,
+    indices: Int32Array,
+    labels: Int32Array,
+) -> None:
+    """Connected partition into parts of one or several centres, written into `labels`.
+
+    Parameters
+    ----------
+    points : (F, 3) float
+    centers : (c, 3) float
+        In the same coordinates.
+    weights : (c,) float, positive
+    parts : (c,) int32
+        The part of each centre, rising.
+    component : (F,) int
+        Which connected component of the graph each element is on.
+    indptr, indices : (F + 1,), (E,) int32
+        Adjacency in CSR form.
+    labels : (F,) int32, written
+        The part that each element belongs to.
+    """
+    c, size = centers.shape[0], points.shape[0]
+    distance = _distances(points, centers, weights)
+    key, code = np.empty(c * size), np.empty(c * size, np.int64)
+    _floods(distance, key, code, indptr, indices, labels)
+    apart = _lie_apart(parts, component, indptr, indices, labels)
+    if apart.any():
+        for f in range(size):
+            if labels[f] >= 0 and apart[labels[f]]:
+                labels[f] = -1
+        _flood(distance, np.zeros((c, size), np.bool_), key, code, 0, indptr, indices, labels)
+    for f in range(size):
+        labels[f] = parts[labels[f] if labels[f] >= 0 else _nearest(distance, f)]

@@ -81,11 +81,11 @@ class Genome:
         return completed
 
     def centers(self, positions: FloatArray, weights: FloatArray | None = None) -> Centers:
-        """Centres of all labels, exactly as given where none follow."""
+        """The first centre of each label, exactly as given where none follow."""
         if not self.evaluator.constraints.active:
             given = np.ones(len(positions)) if weights is None else weights
             return Centers(positions=positions, weights=given)
-        return self.evaluator.parameterization.decode(self.vector(positions, weights))
+        return self.evaluator.parameterization.decode(self.vector(positions, weights)).first
 
     def places(self, order: IntArray) -> IntArray:
         """From parts that labels go to, to places that places go to."""

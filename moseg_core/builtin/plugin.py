@@ -24,6 +24,7 @@ def moseg_parameterizations() -> list[ParameterizationSpec]:
             name="voronoi",
             target="moseg_core.builtin.voronoi:Voronoi",
             summary="multiplicatively weighted Voronoi partition, segments kept connected",
+            label_parameters=("centers",),
         )
     ]
 

@@ -5,6 +5,11 @@ A segmentation of n parts is a vector of m = 4n numbers, position and weight of 
 the least ``||p - c|| / w``. Where the adjacency is known the segments are kept connected by
 flooding from the centres (Algorithm 1, :mod:`moseg_core.builtin.flood`).
 
+A body is not one cell. A part may have several centres, whose cells together are the part: four
+numbers for each, those of a part one after the other. Where one centre of several is in the place
+of another, with the same weight, it makes no difference; so a seeder's single centre for each part
+is a vector too, and the search moves the others out from there.
+
 Vectors are in unit coordinates (bounding-box diagonal 1), so that one pattern size serves
 positions and weights alike. Source: Okabe et al., Spatial Tessellations, 2nd ed., 2000,
 Sec. 3.1.
@@ -12,15 +17,18 @@ Sec. 3.1.
 
 from __future__ import annotations
 
+import fnmatch
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
-from moseg_core.builtin.flood import flood_labels, voronoi_labels
-from moseg_core.components.protocols import Centers
+from moseg_core.builtin.flood import flood_labels, flood_parts, voronoi_labels
+from moseg_core.components.protocols import Centers, centers_of_parts
+from moseg_core.errors import UsageError, unknown
 from moseg_core.search.workers import available_workers
 from moseg_core.shape.shape import Shape
-from moseg_core.types import FloatArray, Int32Array, IntArray
+from moseg_core.types import BoolArray, FloatArray, Int32Array, IntArray
 
 #: Below so many labels to find, threads take longer to start than they save.
 _WORTH_THREADS = 300_000
@@ -34,7 +42,19 @@ class Voronoi:
     shape : Shape
     n_parts : int
     connected : bool
-        Whether segments are kept connected; has no effect on a shape without adjacency.
+        Whether segments are kept connected; has no effect on a shape without adjacency. Of a part
+        with several centres only what is joined to the first is kept, and what its other centres
+        reach apart from that goes to other parts.
+    centers : str
+        How many centres some parts have, ``label=count,label=count``, globs allowed:
+        ``"body=3,leg*=2"``. All others have one.
+    labels : sequence of str
+        What the parts are called; needed where `centers` are given.
+
+    Raises
+    ------
+    UsageError
+        Malformed `centers`, an unknown label, one that is given twice, or a count below 1.
 
     Examples
     --------
@@ -45,14 +65,36 @@ class Voronoi:
     >>> at = Centers(positions=np.array([[4., 0, 0], [0, 0, 0]]), weights=np.ones(2))
     >>> voronoi.labels(voronoi.encode(at)[None]).tolist()
     [[1, 0]]
+    >>> Voronoi(shape, 2, centers="body=3", labels=["head", "body"]).centers_per_part.tolist()
+    [1, 3]
     """
 
     weighted_bisectors = True
 
-    def __init__(self, shape: Shape, n_parts: int, *, connected: bool = True) -> None:
+    def __init__(
+        self,
+        shape: Shape,
+        n_parts: int,
+        *,
+        connected: bool = True,
+        centers: str = "",
+        labels: Sequence[str] = (),
+    ) -> None:
         self._shape = shape
         self._n_parts = n_parts
         self.connected = connected and shape.adjacency is not None
+        self._counts = np.ones(n_parts, np.int64)
+        if centers:
+            if len(labels) != n_parts:
+                raise UsageError(f"centers: the names of all {n_parts} labels are needed too")
+            self._counts = np.array(list(parse_counts(centers, labels).values()), np.int64)
+        self._starts = np.cumsum(self._counts) - self._counts
+        self._total = int(self._counts.sum())
+        self._several = self._total > n_parts
+        self._parts = np.repeat(np.arange(n_parts, dtype=np.int32), self._counts)
+        self._component: IntArray | None = None
+        if self._several and self.connected and shape.adjacency is not None:
+            self._component = shape.adjacency.components()[1]
 
     @property
     def n_parts(self) -> int:
@@ -60,36 +102,50 @@ class Voronoi:
         return self._n_parts
 
     @property
+    def centers_per_part(self) -> IntArray:
+        """(n,) int: how many centres each part has, c in all."""
+        return self._counts.copy()
+
+    @property
     def lower(self) -> FloatArray:
-        """(4n,) float: positions are free, weights are positive."""
+        """(4c,) float: positions are free, weights are positive."""
         smallest = np.finfo(np.float64).tiny
-        return np.tile([-np.inf, -np.inf, -np.inf, smallest], self._n_parts)
+        return np.tile([-np.inf, -np.inf, -np.inf, smallest], self._total)
 
     @property
     def upper(self) -> FloatArray:
-        """(4n,) float: unbounded."""
-        return np.full(4 * self._n_parts, np.inf)
+        """(4c,) float: unbounded."""
+        return np.full(4 * self._total, np.inf)
 
     @property
     def scale(self) -> FloatArray:
-        """(4n,) float: 1 for positions, in bounding-box diagonals, and for weights alike."""
-        return np.ones(4 * self._n_parts)
+        """(4c,) float: 1 for positions, in bounding-box diagonals, and for weights alike."""
+        return np.ones(4 * self._total)
 
     def labels(self, vectors: FloatArray) -> Int32Array:
-        """(B, F) int32: the partitions that (B, 4n) vectors describe."""
-        rows = np.ascontiguousarray(vectors, dtype=np.float64).reshape(-1, self._n_parts, 4)
+        """(B, F) int32: the partitions that (B, 4c) vectors describe."""
+        rows = np.ascontiguousarray(vectors, dtype=np.float64).reshape(-1, self._total, 4)
         labels = np.empty((len(rows), self._shape.n_elements), np.int32)
         points = np.ascontiguousarray(self._shape.unit_points)
         adjacency = self._shape.adjacency if self.connected else None
 
         def partition(b: int) -> None:
-            centers, weights = np.ascontiguousarray(rows[b, :, :3]), rows[b, :, 3].copy()
+            row, parts = rows[b], self._parts
+            if self._several:
+                needed = self._needed(row)
+                row, parts = row[needed], parts[needed]
+            centers, weights = np.ascontiguousarray(row[:, :3]), row[:, 3].copy()
             if adjacency is None:
                 voronoi_labels(points, centers, weights, labels[b])
+                if self._several:
+                    labels[b] = parts[labels[b]]
+                return
+            graph = adjacency.indptr, adjacency.indices
+            if len(row) == self._n_parts:
+                flood_labels(points, centers, weights, *graph, labels[b])
             else:
-                flood_labels(
-                    points, centers, weights, adjacency.indptr, adjacency.indices, labels[b]
-                )
+                assert self._component is not None  # parts have several centres
+                flood_parts(points, centers, weights, parts, self._component, *graph, labels[b])
 
         workers = min(len(rows), available_workers())
         if workers < 2 or labels.size < _WORTH_THREADS:
@@ -101,27 +157,94 @@ class Voronoi:
         return labels
 
     def encode(self, centers: Centers) -> FloatArray:
-        """(4n,) float: the vector of centres in model units."""
-        unit = self._shape.frame.to_unit(centers.positions)
-        return np.column_stack([unit, centers.weights]).reshape(-1)
+        """(4c,) float: the vector of centres in model units."""
+        own = centers.fitted(self._counts)
+        unit = self._shape.frame.to_unit(own.positions)
+        return np.column_stack([unit, own.weights]).reshape(-1)
 
     def decode(self, vector: FloatArray) -> Centers:
         """The centres of a vector, in model units."""
         rows = vector.reshape(-1, 4)
-        return Centers(positions=self._shape.frame.to_model(rows[:, :3]), weights=rows[:, 3].copy())
+        return Centers(
+            positions=self._shape.frame.to_model(rows[:, :3]),
+            weights=rows[:, 3].copy(),
+            parts=self._parts.astype(np.int64) if self._several else None,
+        )
 
     def distances(self, vector: FloatArray, points: FloatArray) -> FloatArray:
-        """(P, n) float: weighted distance of points (model units) to every centre."""
+        """(P, n) float: weighted distance of points (model units) to each part's nearest centre."""
         rows = vector.reshape(-1, 4)
         apart = self._shape.frame.to_unit(points)[:, None] - rows[None, :, :3]
         distance: FloatArray = np.sqrt((apart**2).sum(axis=2)) / rows[:, 3]
-        return distance
+        return np.minimum.reduceat(distance, self._starts, axis=1) if self._several else distance
 
     def coordinates(self, part: int) -> IntArray:
-        """(4,) int: the places of a centre's position and weight in the vector."""
-        return np.arange(4 * part, 4 * part + 4)
+        """(4k,) int: the places of the positions and weights of a part's k centres in the vector."""
+        first = 4 * int(self._starts[part])
+        return np.arange(first, first + 4 * int(self._counts[part]))
 
     def permute(self, vector: FloatArray, order: IntArray) -> FloatArray:
-        """(4n,) float: the vector with its centres in another order."""
-        permuted: FloatArray = vector.reshape(-1, 4)[order].reshape(-1)
+        """(4c,) float: the vector with the centres of its parts in another order.
+
+        Where parts have different numbers of centres it is that of :meth:`Centers.fitted` ones.
+        """
+        places = centers_of_parts(self._counts, self._counts, np.asarray(order))
+        permuted: FloatArray = vector.reshape(-1, 4)[places].reshape(-1)
         return permuted
+
+    def _needed(self, row: FloatArray) -> BoolArray:
+        """(c,) bool: the centres that are not the same as an earlier one of their part."""
+        needed = np.ones(len(row), np.bool_)
+        for part in np.flatnonzero(self._counts > 1):
+            first, stop = self._starts[part], self._starts[part] + self._counts[part]
+            for k in range(first + 1, stop):
+                needed[k] = not (row[first:k] == row[k]).all(axis=1).any()
+        return needed
+
+
+def parse_counts(text: str, labels: Sequence[str]) -> dict[str, int]:
+    """How many centres each label has, from ``label=count`` words.
+
+    Parameters
+    ----------
+    text : str
+    labels : sequence of str
+
+    Returns
+    -------
+    dict of str to int
+        For every label in order; 1 for those that no word names.
+
+    Raises
+    ------
+    UsageError
+        See :class:`Voronoi`.
+
+    Examples
+    --------
+    >>> parse_counts("body=3, leg*=2", ["head", "body", "leg1", "leg2"])
+    {'head': 1, 'body': 3, 'leg1': 2, 'leg2': 2}
+    """
+    found: dict[str, int] = {}
+    for word in text.split(","):
+        name, equals, number = (piece.strip() for piece in word.partition("="))
+        if not equals or not number.isdecimal() or int(number) < 1:
+            raise UsageError(
+                f"centers: '{word.strip()}' is not understood; write label=count,label=count, with"
+                " counts of 1 or more"
+            )
+        if "*" in name:
+            named = [label for label in labels if fnmatch.fnmatchcase(label, name)]
+            if not named:
+                raise UsageError(
+                    f"centers: '{name}' matches none of the labels {', '.join(labels)}"
+                )
+        elif name in labels:
+            named = [name]
+        else:
+            raise UsageError(f"centers: {unknown('label', name, labels)}")
+        for label in named:
+            if label in found:
+                raise UsageError(f"centers: label '{label}' is given twice")
+            found[label] = int(number)
+    return {label: found.get(label, 1) for label in labels}

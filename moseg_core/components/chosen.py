@@ -13,7 +13,7 @@ from typing import Any
 
 from moseg_core.components.discovery.registry import Component, Registry
 from moseg_core.components.discovery.specs import Kind
-from moseg_core.components.parameters import Parameter, check_parameters, declared_parameters
+from moseg_core.components.parameters import PROVIDED, Parameter, check_parameters, declared_parameters
 from moseg_core.errors import REPORT, PluginError, UsageError, unknown
 from moseg_core.language import parse_call
 from moseg_core.language.terms import format_call
@@ -140,9 +140,8 @@ def prepare(choice: Choice, kind: Kind, registry: Registry) -> PreparedComponent
             f"{kind} '{component.id}' of {component.distribution} cannot be called:"
             f" {component.spec.target} is a {type(target).__name__}; {REPORT}"
         )
-    reserved = ("rng",) if kind == "optimizer" else ()
     try:
-        declared = declared_parameters(target, reserved=reserved)
+        declared = declared_parameters(target, reserved=PROVIDED.get(kind, ()))
     except TypeError as error:
         raise PluginError(
             f"{kind} '{component.id}' of {component.distribution} cannot be used: {error}; {REPORT}"
@@ -153,6 +152,13 @@ def prepare(choice: Choice, kind: Kind, registry: Registry) -> PreparedComponent
         raise PluginError(
             f"{component.who} is said to take centres and has no parameter 'centers'; {REPORT}"
         )
+    names = {parameter.name for parameter in declared}
+    for name in getattr(component.spec, "label_parameters", ()):
+        if name not in names:
+            raise PluginError(
+                f"{component.who} is said to name labels in '{name}', and has no such parameter;"
+                f" {REPORT}"
+            )
     parameters = check_parameters(declared, choice.parameters, f"{kind} '{choice.name}'")
     return PreparedComponent(
         component=component,

@@ -17,7 +17,7 @@ from typing import Any
 
 from moseg_core.components.discovery.registry import Component
 from moseg_core.components.objectives import Traits
-from moseg_core.components.parameters import Parameter, declared_parameters
+from moseg_core.components.parameters import PROVIDED, Parameter, declared_parameters
 from moseg_core.errors import PluginError
 from moseg_core.language import Target
 from moseg_core.language.terms import format_value
@@ -110,9 +110,8 @@ def _parameters(component: Component, target: Callable[..., Any]) -> tuple[Param
     own = getattr(target, "parameters", None)  # of objectives, and of functions as constraints
     if isinstance(own, tuple):
         return own
-    reserved = ("rng",) if component.kind == "optimizer" else ()
     try:
-        return declared_parameters(target, reserved=reserved)
+        return declared_parameters(target, reserved=PROVIDED.get(component.kind, ()))
     except TypeError as error:
         raise PluginError(f"{component.who} cannot be explained: {error}") from error
 

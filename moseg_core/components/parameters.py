@@ -36,6 +36,10 @@ KINDS: dict[type, str] = {
 """The types that a parameter can have, as users are told."""
 
 
+PROVIDED: Mapping[str, tuple[str, ...]] = {"optimizer": ("rng",), "parameterization": ("labels",)}
+"""By kind the keyword-only arguments that the search provides, where a component takes them."""
+
+
 @dataclass(frozen=True)
 class Interval:
     """Closed bounds of a number, or of a target's value, for use in ``Annotated``.
@@ -191,6 +195,22 @@ def declared_parameters(
             )
         )
     return tuple(found)
+
+
+def takes(target: Callable[..., Any], name: str) -> bool:
+    """Whether a function or class takes a keyword-only argument of a name.
+
+    Examples
+    --------
+    >>> def thirds(shape, n_parts, *, labels): ...
+    >>> takes(thirds, "labels"), takes(thirds, "n_parts")
+    (True, False)
+    """
+    try:
+        found = inspect.signature(target).parameters.get(name)
+    except (TypeError, ValueError):  # written in another language
+        return False
+    return found is not None and found.kind is inspect.Parameter.KEYWORD_ONLY
 
 
 def check_parameters(

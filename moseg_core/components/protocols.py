@@ -29,10 +29,13 @@ A class may say more of itself, in attributes that no protocol asks for:
 ``connected``
     Of a parameterization, once made: true where each of its parts is in one piece, on a shape in
     one piece whose adjacency is known.
+``centers_per_part``
+    Of a parameterization, once made: (n,) int, how many centres each part has, where that is not
+    one each.
 ``weighted_bisectors``
     Of a parameterization: true where a point belongs to the centre, of those that a vector is
-    decoded to, with the least distance over weight. Its boundaries are then clipped in closed form,
-    without asking for ``distances``.
+    decoded to, with the least distance over weight. Where parts have a centre each, its boundaries
+    are then clipped in closed form, without asking for ``distances``.
 ``optimal``
     Of a labeler: ``"unary"`` where no assignment has a lower sum of unary terms, ``"all"`` where
     none has a lower cost.
@@ -82,21 +85,119 @@ class Centers:
 
     Parameters
     ----------
-    positions : (n, 3) float, model units
-    weights : (n,) float
+    positions : (c, 3) float, model units
+    weights : (c,) float
         Positive; only their ratios matter.
+    parts : (c,) int, optional
+        The part of each centre, rising from 0, none left out. By default there is one centre for
+        each part, in order.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> body, head = [[0.0, 0, 0], [1.0, 0, 0]], [[3.0, 0, 0]]
+    >>> both = Centers(positions=np.array(body + head), weights=np.ones(3), parts=np.array([0, 0, 1]))
+    >>> both.per_part.tolist()
+    [2, 1]
+    >>> both.ordered(np.array([1, 0])).positions[:, 0].tolist()
+    [3.0, 0.0, 1.0]
     """
 
     positions: FloatArray
     weights: FloatArray
+    parts: IntArray | None = None
+
+    @property
+    def per_part(self) -> IntArray:
+        """(n,) int: how many centres each part has."""
+        if self.parts is None:
+            return np.ones(len(self.weights), np.int64)
+        return np.bincount(self.parts).astype(np.int64)
+
+    @property
+    def first(self) -> Centers:
+        """The first centre of each part."""
+        return self if self.parts is None else self.fitted(np.ones(len(self.per_part), np.int64))
+
+    def ordered(self, order: IntArray) -> Centers:
+        """Centres whose part ``j`` is part ``order[j]`` of these."""
+        per_part = self.per_part
+        places = centers_of_parts(per_part, per_part[order], order)
+        return self._chosen(places, per_part[order])
+
+    def fitted(self, per_part: IntArray) -> Centers:
+        """Centres of which each part has so many.
+
+        A part that has more keeps its first ones. One that has fewer gets others in the place of
+        its first, of the same weight: so they change nothing about which points are nearest to it.
+
+        Parameters
+        ----------
+        per_part : (n,) int
+            1 or more.
+        """
+        own = self.per_part
+        if np.array_equal(own, per_part):
+            return self
+        return self._chosen(centers_of_parts(own, per_part, np.arange(len(own))), per_part)
+
+    def of(self, part: int) -> Centers:
+        """The centres of one part, which is then the only one."""
+        per_part = self.per_part
+        count = per_part[part : part + 1]
+        return self._chosen(int(per_part[:part].sum()) + np.arange(count[0]), count)
+
+    @classmethod
+    def joined(cls, several: Sequence[Centers]) -> Centers:
+        """All parts of these, one after the other."""
+        per_part = np.concatenate([centers.per_part for centers in several])
+        whole = cls(
+            positions=np.concatenate([centers.positions for centers in several]),
+            weights=np.concatenate([centers.weights for centers in several]),
+        )
+        return whole._chosen(np.arange(len(whole.weights)), per_part)
+
+    def _chosen(self, places: IntArray, per_part: IntArray) -> Centers:
+        several = bool((per_part > 1).any())
+        return Centers(
+            positions=np.asarray(self.positions)[places],
+            weights=np.asarray(self.weights)[places],
+            parts=np.repeat(np.arange(len(per_part)), per_part) if several else None,
+        )
+
+
+def centers_of_parts(have: IntArray, want: IntArray, order: IntArray) -> IntArray:
+    """Which centres to take, so that part ``j`` has ``want[j]`` of those of part ``order[j]``.
+
+    Where that part has fewer, its first comes again, as in :meth:`Centers.fitted`.
+
+    Parameters
+    ----------
+    have : (n,) int
+        How many centres each part has; they stand one part after the other.
+    want, order : (n,) int
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> centers_of_parts(np.array([2, 1]), np.array([2, 1]), np.array([1, 0])).tolist()
+    [2, 2, 0]
+    """
+    starts = np.cumsum(have) - have
+    within = np.arange(int(want.sum())) - np.repeat(np.cumsum(want) - want, want)
+    part = np.repeat(order, want)
+    places: IntArray = starts[part] + np.where(within < have[part], within, 0)
+    return places
 
 
 @runtime_checkable
 class Parameterization(Protocol):
     """A family of segmentations, described by vectors of real numbers (Sec. 4).
 
-    Constructed with ``(shape, n_parts)`` and parameters. Vectors are in unit coordinates: a step
-    of ``s`` along coordinate ``k`` is a step of ``s * scale[k]``.
+    Constructed with ``(shape, n_parts)`` and parameters. One that takes a keyword-only argument
+    ``labels`` is told the names of the parts in it, a tuple of str; it is no parameter of the
+    user's. Vectors are in unit coordinates: a step of ``s`` along coordinate ``k`` is a step of
+    ``s * scale[k]``.
     """
 
     @property
@@ -124,7 +225,12 @@ class Parameterization(Protocol):
         ...
 
     def encode(self, centers: Centers) -> FloatArray:
-        """(m,) float: the vector of given centres."""
+        """(m,) float: the vector of given centres.
+
+        They are such as :meth:`decode` returns, or one for each part. Where a part has several
+        (``centers_per_part``), the vector of one each means the partition that these make: the
+        others are in the place of the first, as :meth:`Centers.fitted` puts them.
+        """
         ...
 
     def decode(self, vector: FloatArray) -> Centers:
@@ -132,11 +238,18 @@ class Parameterization(Protocol):
         ...
 
     def coordinates(self, part: int) -> IntArray:
-        """Indices of the coordinates that belong to one part, for keeping it as it is."""
+        """Indices of the coordinates that belong to one part, for keeping it as it is.
+
+        Of all its centres, where it has several.
+        """
         ...
 
     def permute(self, vector: FloatArray, order: IntArray) -> FloatArray:
-        """(m,) float: the vector whose part ``j`` is part ``order[j]`` of the given one."""
+        """(m,) float: the vector whose part ``j`` is part ``order[j]`` of the given one.
+
+        A vector of one centre each keeps its partition. So do others, as long as parts change
+        places with those that have as many centres; else it is that of ``fitted`` centres.
+        """
         ...
 
 
@@ -149,7 +262,10 @@ class ClippableParameterization(Parameterization, Protocol):
     """
 
     def distances(self, vector: FloatArray, points: FloatArray) -> FloatArray:
-        """(P, n) float: how far each point (model units) is from each part; least wins."""
+        """(P, n) float: how far each point (model units) is from each part; least wins.
+
+        Of a part's several centres the nearest counts.
+        """
         ...
 
 

@@ -134,10 +134,7 @@ def _from_document(document: dict[str, Any]) -> SavedResult:
             empty=tuple(cost["empty"]),
             broken_pins=cost["broken_pins"],
         ),
-        centers=Centers(
-            positions=np.array([part["center"] for part in parts]),
-            weights=np.array([part["weight"] for part in parts]),
-        ),
+        centers=Centers.joined([_read_centers(part) for part in parts]),
         method=document["method"],
         seed=document["seed"],
         reason=document["reason"],
@@ -165,15 +162,10 @@ def write_json(result: Result) -> bytes:
                 "label": name,
                 "elements": part.n_elements,
                 "area": part.area,
-                "center": center.tolist(),
-                "weight": float(weight),
+                **_centers_document(result.centers.of(k)),
             }
-            for name, part, center, weight in zip(
-                result.problem.labels,
-                segmentation.parts,
-                result.centers.positions,
-                result.centers.weights,
-                strict=True,
+            for k, (name, part) in enumerate(
+                zip(result.problem.labels, segmentation.parts, strict=True)
             )
         ],
         "method": dict(result.method),
@@ -194,6 +186,25 @@ def write_json(result: Result) -> bytes:
     # One line per entry: readable, and a change of one number is a change of one line.
     lines = [f"{json.dumps(key)}: {_dump(value)}" for key, value in document.items()]
     return ("{\n" + ",\n".join(lines) + "\n}\n").encode()
+
+
+def _centers_document(centers: Centers) -> dict[str, Any]:
+    """A part's centre and weight, and under "more" those of its others, where it has any."""
+    first, *more = [
+        {"center": position.tolist(), "weight": float(weight)}
+        for position, weight in zip(centers.positions, centers.weights, strict=True)
+    ]
+    return {**first, **({"more": more} if more else {})}
+
+
+def _read_centers(part: Mapping[str, Any]) -> Centers:
+    """The centres that :func:`_centers_document` wrote."""
+    rows = [part, *part.get("more", [])]
+    return Centers(
+        positions=np.array([row["center"] for row in rows], np.float64),
+        weights=np.array([row["weight"] for row in rows], np.float64),
+        parts=np.zeros(len(rows), np.int64) if len(rows) > 1 else None,
+    )
 
 
 def _problem_document(problem: Problem | Hierarchy) -> dict[str, Any]:

@@ -69,8 +69,8 @@ class Constraints:
     Raises
     ------
     UsageError
-        Two constraints determine one label, they go in a circle, or they put two centres in one
-        place; names them.
+        Two constraints determine one label, they go in a circle, they put two centres in one
+        place, or they are about a label that has several centres; names them.
     PluginError
         A constraint breaks its word.
     """
@@ -87,6 +87,7 @@ class Constraints:
         self.groups = _groups(self._constraints, len(self._names))
         if not self._constraints:
             return
+        self._check_single()
         determined = sorted(k for _, c in self._constraints for k in c.determines)
         #: Coordinates of x that follow, and those that are free as they stand.
         self._follow: IntArray = np.concatenate([partition.coordinates(k) for k in determined])
@@ -280,14 +281,29 @@ class Constraints:
         return best
 
     def _rows(self, vector: FloatArray) -> FloatArray:
-        """(n, 4) float: centres in unit coordinates, and weights."""
-        centers = self._partition.decode(vector)
+        """(n, 4) float: centres in unit coordinates, and weights.
+
+        Of labels that have several centres the first; no constraint is about these.
+        """
+        centers = self._partition.decode(vector).first
         return np.column_stack([self._frame.to_unit(centers.positions), centers.weights])
 
     def _vector(self, rows: FloatArray) -> FloatArray:
         """(m,) float: the vector of such rows."""
         positions = self._frame.to_model(rows[:, :3])
         return self._partition.encode(Centers(positions=positions, weights=rows[:, 3]))
+
+    def _check_single(self) -> None:
+        """Refuse constraints about a label that has more than one centre."""
+        counts = np.asarray(getattr(self._partition, "centers_per_part", np.ones(len(self._names))))
+        for bound, constraint in self._constraints:
+            for k in (*constraint.determines, *constraint.reads):
+                if counts[k] > 1:
+                    raise UsageError(
+                        f"'{bound.text}' is about the one centre of a label, and"
+                        f" '{self._names[k]}' has {counts[k]}; leave the constraint out, or give"
+                        f" '{self._names[k]}' one centre"
+                    )
 
     def _check_apart(self) -> None:
         """Refuse constraints that always put two centres in one place."""

@@ -121,7 +121,8 @@ def _towards_pins(
 ) -> FloatArray:
     """Start where fewer pins are broken: centres moved to the pinned elements of their labels.
 
-    The search only notices a pin when an element changes its part, so it needs to start near.
+    The search only notices a pin when an element changes its part, so it needs to start near. Of a
+    label's several centres the one nearest to the place is moved there.
     """
     partition, pins, shape = evaluator.parameterization, evaluator.pins, evaluator.shape
     constraints = evaluator.constraints
@@ -135,7 +136,10 @@ def _towards_pins(
         tried = [vector]
         for place in [pinned.mean(axis=0), *pinned[:_PLACES]]:
             positions = centers.positions.copy()
-            positions[label] = place
+            own = np.arange(len(positions)) if centers.parts is None else centers.parts
+            mine = np.flatnonzero(own == label)
+            near = mine[np.argmin(((positions[mine] - place) ** 2).sum(axis=1))]
+            positions[near] = place
             moved = partition.encode(replace(centers, positions=positions))
             free = constraints.reduce(constraints.holding(moved, [int(label)]))
             free[held] = base[held]

@@ -12,12 +12,14 @@ Checking labels is one pass over them, less than a thousandth of what a poll tak
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from moseg_core.components.chosen import PreparedComponent
 from moseg_core.components.discovery.registry import describe
+from moseg_core.components.parameters import takes
 from moseg_core.components.protocols import Centers, Parameterization
 from moseg_core.errors import REPORT, MosegError, PluginError
 from moseg_core.shape.shape import Shape
@@ -70,6 +72,7 @@ class CheckedParameterization:
             raise self._broken("has a lower bound that is not below the upper one")
         if not (np.isfinite(self._scale) & (self._scale > 0)).all():
             raise self._broken("must have positive, finite numbers as scale")
+        self._per_part = self._counts()
 
     def __getattr__(self, name: str) -> Any:
         """What the parameterization says of itself beyond the protocol."""
@@ -81,6 +84,11 @@ class CheckedParameterization:
     def n_parts(self) -> int:
         """Number of parts, n."""
         return self._n_parts
+
+    @property
+    def centers_per_part(self) -> IntArray:
+        """(n,) int: how many centres each part has; one each where it does not say."""
+        return self._per_part
 
     @property
     def lower(self) -> FloatArray:
@@ -118,12 +126,15 @@ class CheckedParameterization:
         return np.ascontiguousarray(labels, np.int32)
 
     def encode(self, centers: Centers) -> FloatArray:
-        """(m,) float: the vector of given centres."""
-        shapes = np.shape(centers.positions), np.shape(centers.weights)
-        if shapes != ((self._n_parts, 3), (self._n_parts,)):
+        """(m,) float: the vector of given centres, its own or one for each part."""
+        one_each = np.ones_like(self._per_part)
+        if not (_fit(centers, self._per_part) or _fit(centers, one_each)):
+            own = "" if (self._per_part == 1).all() else f" or {self._per_part.tolist()} for each part,"
+            parts = "" if centers.parts is None else f" and parts {np.asarray(centers.parts).tolist()}"
             raise ValueError(
-                f"encode() takes {self._n_parts} centres with a weight each, not positions of shape"
-                f" {shapes[0]} and weights of shape {shapes[1]}"
+                f"encode() takes {self._n_parts} centres{own} with a weight each, not positions of"
+                f" shape {np.shape(centers.positions)}, weights of shape"
+                f" {np.shape(centers.weights)}{parts}"
             )
         return self._vector("encode", centers, finite=_finite(centers.positions, centers.weights))
 
@@ -132,15 +143,22 @@ class CheckedParameterization:
         self._check_given("decode", vector)
         found = self._call("decode", vector)
         try:
-            positions = np.asarray(found.positions, dtype=np.float64)
-            weights = np.asarray(found.weights, dtype=np.float64)
-            fits = positions.shape == (self._n_parts, 3) and weights.shape == (self._n_parts,)
-            fits = fits and (_finite(positions, weights) or not _finite(vector))
+            parts = getattr(found, "parts", None)
+            centers = Centers(
+                positions=np.asarray(found.positions, dtype=np.float64),
+                weights=np.asarray(found.weights, dtype=np.float64),
+                parts=None if parts is None else np.asarray(parts),
+            )
+            fits = _fit(centers, self._per_part)
+            fits = fits and (_finite(centers.positions, centers.weights) or not _finite(vector))
         except (AttributeError, TypeError, ValueError):
             fits = False
         if not fits:
-            raise self._broken(f"must decode a vector to {self._n_parts} finite centres")
-        return Centers(positions=positions, weights=weights)
+            own = "" if (self._per_part == 1).all() else f", {self._per_part.tolist()} for each part"
+            raise self._broken(
+                f"must decode a vector to {self._per_part.sum()} finite centres{own}"
+            )
+        return centers
 
     def distances(self, vector: FloatArray, points: FloatArray) -> FloatArray:
         """(P, n) float: how far (P, 3) points are from each part, where it knows."""
@@ -233,6 +251,19 @@ class CheckedParameterization:
             raise self._broken(f"must have a whole number of parts, not {found!r:.40}")
         return int(found)
 
+    def _counts(self) -> IntArray:
+        """(n,) int: how many centres each part has."""
+        if not hasattr(self._inner, "centers_per_part"):
+            return frozen(np.ones(self._n_parts, np.int64))
+        found = np.asarray(self._attribute("centers_per_part"))
+        whole = found.shape == (self._n_parts,) and np.issubdtype(found.dtype, np.integer)
+        if not (whole and (found >= 1).all()):
+            raise self._broken(
+                f"must have a whole number of centres for each of {self._n_parts} parts as"
+                f" centers_per_part, not {found.tolist()!r:.80}"
+            )
+        return frozen(found.astype(np.int64))
+
     def _numbers(self, name: str) -> FloatArray:
         """(m,) float: a bound, read once."""
         try:
@@ -253,20 +284,41 @@ def checked(parameterization: Parameterization, shape: Shape) -> CheckedParamete
     return CheckedParameterization(parameterization, shape, who=who)
 
 
-def make_partition(ready: PreparedComponent, shape: Shape, n_parts: int) -> CheckedParameterization:
+def make_partition(
+    ready: PreparedComponent, shape: Shape, labels: Sequence[str]
+) -> CheckedParameterization:
     """The parameterization of a shape that was chosen, behind the adapter.
+
+    Parameters
+    ----------
+    ready : PreparedComponent
+    shape : Shape
+    labels : sequence of str
+        What the parts are called; a parameterization that takes an argument ``labels`` is told.
 
     Raises
     ------
     PluginError
         It cannot be made, has other parts than asked for, or impossible bounds.
     """
-    made = CheckedParameterization(ready.make(shape, n_parts), shape, who=ready.who)
+    n_parts = len(labels)
+    told = {"labels": tuple(labels)} if takes(ready.factory, "labels") else {}
+    made = CheckedParameterization(ready.make(shape, n_parts, **told), shape, who=ready.who)
     if made.n_parts != n_parts:
         raise PluginError(
             f"{ready.who} was asked for {n_parts} parts, and makes {made.n_parts}; {REPORT}"
         )
     return made
+
+
+def _fit(centers: Centers, per_part: IntArray) -> bool:
+    """Whether there are so many centres for each part, with a weight each."""
+    count = int(per_part.sum())
+    if np.shape(centers.positions) != (count, 3) or np.shape(centers.weights) != (count,):
+        return False
+    if centers.parts is None:
+        return bool((per_part == 1).all())
+    return np.array_equal(centers.parts, np.repeat(np.arange(len(per_part)), per_part))
 
 
 def _finite(*arrays: FloatArray) -> bool:

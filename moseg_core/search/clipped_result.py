@@ -15,7 +15,6 @@ from moseg_core.clipping.bisector import Bisectors
 from moseg_core.clipping.boundaries import Boundaries, DistanceField
 from moseg_core.clipping.clip import check_clippable, clip_along
 from moseg_core.components.chosen import Choice, PreparedComponent, prepare
-from moseg_core.components.protocols import Centers
 from moseg_core.errors import UsageError
 from moseg_core.search.checked_partition import make_partition
 
@@ -69,18 +68,22 @@ def clip(result: Result, *, space: Shape | None = None) -> Result:
         mesh,
         result.labels,
         space.points,
-        _boundaries(ready, space, result.centers),
-        n_parts=len(result.centers.weights),
+        _boundaries(ready, space, result),
+        n_parts=len(result.problem.labels),
         places=space.geometry.vertices,
     )
     return replace(result, clipped=clipped)
 
 
-def _boundaries(ready: PreparedComponent, space: Shape, centers: Centers) -> Boundaries:
-    """Where the parts of a partition meet: in closed form where it says how, else by distances."""
-    if getattr(ready.factory, "weighted_bisectors", False):
+def _boundaries(ready: PreparedComponent, space: Shape, result: Result) -> Boundaries:
+    """Where the parts of a partition meet: in closed form where it says how, else by distances.
+
+    Parts of several centres have no bisector of their own; the nearest of these counts.
+    """
+    centers = result.centers
+    if getattr(ready.factory, "weighted_bisectors", False) and centers.parts is None:
         return Bisectors(centers.positions, centers.weights)
-    partition = make_partition(ready, space, len(centers.weights))
+    partition = make_partition(ready, space, result.problem.labels)
     return DistanceField(partial(partition.distances, partition.encode(centers)))
 
 

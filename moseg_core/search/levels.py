@@ -26,7 +26,7 @@ import numpy.typing as npt
 
 from moseg_core.components.chosen import Choice
 from moseg_core.components.discovery.registry import Registry
-from moseg_core.components.discovery.specs import SeederSpec
+from moseg_core.components.discovery.specs import ParameterizationSpec, SeederSpec
 from moseg_core.components.protocols import Centers, Progress, Report, never_stop
 from moseg_core.errors import MosegError, ShapeError, UsageError
 from moseg_core.problem.hierarchy import Hierarchy, combined
@@ -39,7 +39,7 @@ from moseg_core.search.result import Result
 from moseg_core.search.segment import prepare_components, solve
 from moseg_core.shape.shape import Shape
 from moseg_core.shape.subshape import subshape
-from moseg_core.types import FloatArray, IntArray
+from moseg_core.types import IntArray
 
 
 def segment_hierarchy(
@@ -66,7 +66,7 @@ def segment_hierarchy(
     **options
         The fields of :class:`moseg_core.SearchOptions`, on every level in place of what the level's
         own options say. A seeder that takes centres, such as "given", is about the first level
-        only. The seconds are shared: each level gets its part of what is left.
+        only, and so are parameters that name labels, such as "centers" of "voronoi". The seconds are shared: each level gets its part of what is left.
 
     Returns
     -------
@@ -208,11 +208,20 @@ def as_hierarchy(task: Hierarchy | Recipe | Problem) -> Hierarchy:
 
 
 def _for_level(options: SearchOptions, path: str, registry: Registry) -> SearchOptions:
-    """The options for one level: centres given by hand are those of the whole."""
+    """The options for one level: what is about places or labels of the whole is left out below it.
+
+    A parameterization of which nothing else was said is then that of the level.
+    """
     if path and isinstance(options.seeder, Choice):
         seeder = registry.find("seeder", options.seeder.name)
         if cast(SeederSpec, seeder.spec).takes_centers:
-            return replace(options, seeder=None)
+            options = replace(options, seeder=None)
+    if path and isinstance(options.parameterization, Choice):
+        name, given = options.parameterization.name, options.parameterization.parameters
+        spec = cast(ParameterizationSpec, registry.find("parameterization", name).spec)
+        rest = {key: value for key, value in given.items() if key not in spec.label_parameters}
+        if len(rest) < len(given):
+            options = replace(options, parameterization=Choice(name, rest) if rest else None)
     return options
 
 
@@ -307,7 +316,7 @@ class _Descent:
             problem=tree.hierarchy,
             labels=tree.leaves.astype(np.int32),
             evaluation=combined({path: level.evaluation for path, level in levels.items()}),
-            centers=Centers(positions=tree.positions, weights=tree.weights),
+            centers=tree.centers,
             history=dict(_prefixed(levels, lambda level: level.history)),
             method=dict(_prefixed(levels, lambda level: level.method)),
             seed=result.seed,
@@ -371,14 +380,13 @@ class _Tree:
         Without the parts that were left whole.
     leaves : (k,) int
         Index into the hierarchy's labels for every element of the level's shape.
-    positions : (n, 3) float
-    weights : (n,) float
+    centers : Centers
+        Of the leaves, in their order.
     """
 
     hierarchy: Hierarchy
     leaves: IntArray
-    positions: FloatArray
-    weights: FloatArray
+    centers: Centers
 
     @classmethod
     def of(
@@ -390,26 +398,23 @@ class _Tree:
     ) -> _Tree:
         """A level's result with those of its divided parts."""
         leaves = np.empty(result.shape.n_elements, np.int64)
-        positions, weights = [], []
+        found: list[Centers] = []
         first = 0
         for k, label in enumerate(level.problem.labels):
             if label in parts:
                 part = parts[label]
                 leaves[members[k]] = first + part.leaves
-                positions.append(part.positions)
-                weights.append(part.weights)
-                first += len(part.weights)
+                found.append(part.centers)
+                first += len(part.hierarchy.labels)
             else:
                 leaves[members[k]] = first
-                positions.append(result.centers.positions[k : k + 1])
-                weights.append(result.centers.weights[k : k + 1])
+                found.append(result.centers.of(k))
                 first += 1
         kept = {label: part.hierarchy for label, part in parts.items()}
         return cls(
             hierarchy=replace(level, parts=kept),
             leaves=leaves,
-            positions=np.concatenate(positions),
-            weights=np.concatenate(weights),
+            centers=Centers.joined(found),
         )
 
 

@@ -41,7 +41,8 @@ class Result:
     evaluation : Evaluation
         Cost by term and part, of these labels.
     centers : Centers
-        One centre per label, in units of :attr:`partitioned`. Those of a hierarchy's leaves belong
+        One centre per label, or as many as the parameterization has, in units of
+        :attr:`partitioned`. Those of a hierarchy's leaves belong
         to different partitions, each to that of its own level: its weight compares with those of
         its siblings only.
     dimension : (int, int)
@@ -82,6 +83,8 @@ class Result:
     def __post_init__(self) -> None:
         for array in (self.labels, self.centers.positions, self.centers.weights):
             frozen(array)
+        if self.centers.parts is not None:
+            frozen(self.centers.parts)
 
     def __repr__(self) -> str:
         names = ", ".join(self.problem.labels)

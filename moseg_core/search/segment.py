@@ -44,6 +44,7 @@ from moseg_core.search.run import RunOutcome
 from moseg_core.shape.coarse import coarse_pins
 from moseg_core.shape.pins import read_pins
 from moseg_core.shape.shape import Shape
+from moseg_core.types import IntArray
 
 
 def segment(
@@ -76,7 +77,8 @@ def segment(
     seeder, labeler, optimizer, parameterization : str, mapping or Choice, optional
         Components: ``"pattern_search(expansion=2)"``. By default the paper's.
     start : Centers or Result, optional
-        Go on from these centres, one per label in the problem's order, instead of seeding.
+        Go on from these centres, one per label in the problem's order, or as many as the
+        parameterization has, instead of seeding.
     freeze : sequence of str
         Labels whose centre and weight stay where they start.
     pins : mapping of str to array_like of int, optional
@@ -189,15 +191,16 @@ def solve(
     seconds = settled.max_seconds
     deadline = None if seconds is None else time.monotonic() + seconds
     embedded = problem.embed(shape)
-    whole = ProblemEvaluator(
-        embedded, problem, make_partition(ready["parameterization"], embedded, n), pins=pinned
-    )
+    partition = make_partition(ready["parameterization"], embedded, problem.labels)
+    whole = ProblemEvaluator(embedded, problem, partition, pins=pinned)
+    if start_centers is not None:
+        _check_counts(start_centers, partition.centers_per_part, problem.labels)
     listener = Listener(report or never_stop)
 
     grouped = searched_shape(embedded, settled.resolution, pinned)
     coarse = whole
     if grouped is not embedded:
-        partition = make_partition(ready["parameterization"], grouped, n)
+        partition = make_partition(ready["parameterization"], grouped, problem.labels)
         coarse = ProblemEvaluator(
             grouped, problem, partition, pins=coarse_pins(pinned, grouped), input=whole
         )
@@ -296,11 +299,41 @@ def _start_centers(start: Centers | Result | None, problem: Problem) -> Centers 
     n = len(problem.labels)
     if start is not None and not isinstance(start, Centers):
         raise UsageError(f"the start must be Centers or a Result, not {start!r:.60}")
-    if start is not None and (
-        np.shape(start.positions) != (n, 3) or np.shape(start.weights) != (n,)
-    ):
+    if start is None:
+        return None
+    parts = np.arange(n) if start.parts is None else np.asarray(start.parts)
+    count = len(parts) if parts.ndim == 1 else 0
+    if np.shape(start.positions) != (count, 3) or np.shape(start.weights) != (count,):
         raise UsageError(f"the start needs a centre and a weight for each of {n} labels")
-    return start
+    if parts.dtype.kind not in "iu" or np.unique(parts).tolist() != [*range(n)]:
+        raise UsageError(f"the start must say for each centre which of {n} labels it belongs to")
+    order = np.argsort(parts, kind="stable")
+    return Centers(
+        positions=np.asarray(start.positions)[order],
+        weights=np.asarray(start.weights)[order],
+        parts=None if count == n else parts[order].astype(np.int64),
+    )
+
+
+def _check_counts(start: Centers, allowed: IntArray, labels: Sequence[str]) -> None:
+    """Refuse a start that has another number of centres for a label than the parameterization.
+
+    One for each label is a start for all.
+    """
+    given = start.per_part
+    if (given == 1).all() or (given == allowed).all():
+        return
+    k = int(np.flatnonzero(given != allowed)[0])
+    raise UsageError(
+        f"the start has {given[k]} centres for label '{labels[k]}', and the parameterization"
+        f" {allowed[k]}; give as many, such as --parameterization"
+        f""" 'voronoi(centers="{_counted(given, labels)}")', or begin without a start"""
+    )
+
+
+def _counted(counts: IntArray, labels: Sequence[str]) -> str:
+    """How many centres labels have, where it is not one."""
+    return ",".join(f"{name}={c}" for name, c in zip(labels, counts, strict=True) if c > 1)
 
 
 def matched_centers(
@@ -341,8 +374,7 @@ def matched_centers(
             f"the start has the labels {', '.join(names)}; the problem has"
             f" {', '.join(problem.labels)}"
         )
-    order = [list(names).index(name) for name in problem.labels]
-    return Centers(positions=centers.positions[order], weights=centers.weights[order])
+    return centers.ordered(np.array([list(names).index(name) for name in problem.labels]))
 
 
 def check_frozen(problem: Problem, freeze: Sequence[str]) -> list[int]:

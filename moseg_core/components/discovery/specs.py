@@ -146,10 +146,20 @@ class FieldSpec(Spec):
                     )
 
 
+@dataclass(frozen=True, kw_only=True)
 class ParameterizationSpec(Spec):
-    """A family of segmentations: target makes a ``Parameterization``."""
+    """A family of segmentations: target makes a ``Parameterization``.
+
+    Parameters
+    ----------
+    label_parameters : tuple of str
+        Those of its parameters, texts, that speak of labels by name. Where parts are segmented in
+        their turn, they are about the first level only, as other levels have other labels.
+    """
 
     kind = "parameterization"
+
+    label_parameters: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)
