@@ -71,6 +71,48 @@ def connected_partition(
     return Seg
 
 
+def connected_parts(
+    points: Sequence[Point],
+    neighbors: Sequence[Iterable[int]],
+    centers: Sequence[Point],
+    weights: Sequence[float],
+    parts: Sequence[int],
+) -> Labels:
+    """Algorithm 1 for parts of several centres: of what a part has reached, one piece is kept.
+
+    On each component of the graph it is the one with the first of the part's centres there; all
+    that is left floods what becomes free.
+    """
+    Seg = connected_partition(points, neighbors, centers, weights)
+    for ground in connected_pieces(neighbors, range(len(points))):
+        starts = [
+            min(range(len(points)), key=lambda f: (weighted_distance(points[f], c, w), f))
+            for c, w in zip(centers, weights, strict=True)
+        ]
+        if not ground.intersection(starts):
+            continue  # no flood has come here
+        for part in set(parts):
+            mine = [f for f in ground if Seg[f] >= 0 and parts[Seg[f]] == part]
+            pieces = connected_pieces(neighbors, mine)
+            for piece in sorted(pieces, key=lambda piece: min(Seg[f] for f in piece))[1:]:
+                for f in piece:
+                    Seg[f] = -1
+    D = [
+        [weighted_distance(p, c, w) for c, w in zip(centers, weights, strict=True)] for p in points
+    ]
+    Q = [(D[f][i], i, f) for f, i in enumerate(Seg) if i >= 0]
+    heapq.heapify(Q)
+    while Q:
+        _, i, f = heapq.heappop(Q)
+        if Seg[f] == -1:
+            Seg[f] = i
+        if Seg[f] == i:
+            for g in neighbors[f]:
+                if Seg[g] == -1:
+                    heapq.heappush(Q, (D[g][i], i, g))
+    return [parts[i] for i in Seg]
+
+
 # --- Algorithm 2 -------------------------------------------------------------------------------
 
 

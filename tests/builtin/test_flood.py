@@ -7,12 +7,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from moseg_core.builtin.flood import flood_labels, voronoi_labels
+from moseg_core.builtin.flood import flood_labels, flood_parts, voronoi_labels
 from moseg_core.shape.adjacency import Adjacency
 from moseg_core.shape.shape import Shape
 from tests import shapes
 from tests.references import (
     connected_partition,
+    connected_parts,
     connected_pieces,
     voronoi_partition,
     weighted_distance,
@@ -209,3 +210,57 @@ def test_the_least_feasible_weight_still_gives_a_labelling(smallest):
     labels = flood(100 * shape.points, shape.adjacency, 100 * centers, np.array([smallest, 1.0]))
     # The seed of a centre of hardly any weight is the last to be popped, and is taken by then.
     assert labels == [1] * 5
+
+
+# --- parts of several centres --------------------------------------------------------------------
+
+
+def flood_in_parts(points, adjacency, centers, weights, parts):
+    labels = np.full(len(points), 77, np.int32)
+    graph = adjacency.indptr, adjacency.indices
+    component = adjacency.components()[1]
+    flood_parts(points, centers, weights, np.array(parts, np.int32), component, *graph, labels)
+    return labels.tolist()
+
+
+@st.composite
+def parted(draw, cases):
+    """A case, and the parts of its centres, rising."""
+    points, adjacency, centers, weights = draw(cases)
+    steps = draw(st.lists(st.integers(0, 1), min_size=len(centers) - 1, max_size=len(centers) - 1))
+    return points, adjacency, centers, weights, [0, *np.cumsum(steps, dtype=int).tolist()]
+
+
+@given(st.one_of(parted(cases(integer=False)), parted(cases(integer=True))))
+@settings(max_examples=300, deadline=None)
+def test_parts_of_several_centres_keep_one_piece(case):
+    points, adjacency, centers, weights, parts = case
+    expected = connected_parts(points.tolist(), neighbors(adjacency), centers, weights, parts)
+    assert flood_in_parts(*case) == expected
+
+
+@pytest.mark.parametrize("name", ["disc", "tee", "annulus", "bent capsule", "sphere"])
+@given(seed=st.integers(0, 2**32), parts=st.sampled_from([(0, 0, 1), (0, 0, 1, 1, 1, 2)]))
+@settings(max_examples=12, deadline=None)
+def test_parts_of_several_centres_are_in_one_piece_on_meshes(name, seed, parts):
+    shape = Shape.from_mesh(*MESHES[name])
+    rng = np.random.default_rng(seed)
+    centers = shape.points[rng.integers(0, shape.n_elements, len(parts))]
+    weights = rng.uniform(0.2, 3.0, len(parts))
+    found = flood_in_parts(shape.points, shape.adjacency, centers, weights, parts)
+    expected = connected_parts(
+        shape.points.tolist(), neighbors(shape.adjacency), centers, weights, parts
+    )
+    assert found == expected
+    for part in set(found):
+        members = np.flatnonzero(np.array(found) == part).tolist()
+        assert len(connected_pieces(neighbors(shape.adjacency), members)) == 1
+
+
+def test_a_piece_apart_from_that_of_the_first_centre_goes_to_its_neighbours():
+    shape = Shape.from_mesh(*shapes.strip(9))
+    case = shape.points, shape.adjacency, shape.points[[0, 8, 4]], np.ones(3)
+    assert flood(*case) == [0, 0, 0, 2, 2, 2, 1, 1, 1]
+    assert flood_in_parts(*case, [0, 0, 1]) == [0, 0, 0, 1, 1, 1, 1, 1, 1]
+    assert flood_in_parts(*case, [0, 1, 1]) == [0, 0, 0, 1, 1, 1, 1, 1, 1]
+    assert flood_in_parts(*case, [0, 0, 0]) == [0] * 9

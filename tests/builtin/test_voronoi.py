@@ -10,11 +10,17 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from moseg_core.builtin.voronoi import Voronoi
+from moseg_core.builtin.voronoi import Voronoi, parse_counts
 from moseg_core.components.protocols import Centers, Parameterization
+from moseg_core.errors import UsageError
 from moseg_core.shape.shape import Shape
 from tests import shapes
-from tests.references import connected_partition, edge_neighbors, voronoi_partition
+from tests.references import (
+    connected_partition,
+    connected_parts,
+    edge_neighbors,
+    voronoi_partition,
+)
 
 MESH = shapes.jitter(shapes.moved(shapes.bent_capsule(8, 6), np.eye(3), 3.0, [5, -2, 1]), 4)
 SHAPE = Shape.from_mesh(*MESH)
@@ -114,3 +120,90 @@ def test_any_number_of_threads_gives_the_same_labels(monkeypatch):
     assert (found[0] == found[1]).all()
     assert (found[0] == found[2]).all()
     assert voronoi.labels(vectors[:0]).shape == (0, SHAPE.n_elements)
+
+
+# --- several centres for a label -----------------------------------------------------------------
+
+NAMES = ("head", "body", "leg1", "leg2")
+PARTS = np.array([0, 1, 1, 1, 2, 2, 3, 3])
+
+
+def bodies(shape=SHAPE, **more):
+    return Voronoi(shape, 4, centers="body=3,leg*=2", labels=NAMES, **more)
+
+
+def eight_at(seed):
+    return dataclasses.replace(centers_at(seed, 8), parts=PARTS)
+
+
+@given(st.integers(0, 2**32))
+@settings(max_examples=30, deadline=None)
+def test_the_cells_of_a_labels_centres_are_its_part(seed):
+    voronoi, at = bodies(), eight_at(seed)
+    assert voronoi.connected
+    assert voronoi.centers_per_part.tolist() == [1, 3, 2, 2]
+    case = at.positions.tolist(), at.weights.tolist(), PARTS.tolist()
+    expected = connected_parts(SHAPE.points.tolist(), NEIGHBORS, *case)
+    assert voronoi.labels(voronoi.encode(at)[None])[0].tolist() == expected
+
+    apart = bodies(connected=False)
+    vector = apart.encode(at)
+    nearest = PARTS[voronoi_partition(SHAPE.points, at.positions, at.weights)]
+    assert (apart.labels(vector[None])[0] == nearest).all()
+    assert (apart.distances(vector, SHAPE.points).argmin(axis=1) == nearest).all()
+
+
+@given(st.integers(0, 2**32))
+@settings(max_examples=30, deadline=None)
+def test_one_centre_a_label_makes_the_partition_that_it_makes_alone(seed):
+    several, single, at = bodies(), Voronoi(SHAPE, 4), centers_at(seed, 4)
+    vector = several.encode(at)
+    assert vector.shape == several.lower.shape == (32,)
+    labels = several.labels(vector[None])[0]
+    assert (labels == single.labels(single.encode(at)[None])[0]).all()
+    # So labels may change places, whatever number of centres they have.
+    order = np.random.default_rng(seed).permutation(4)
+    assert (order[several.labels(several.permute(vector, order)[None])[0]] == labels).all()
+
+
+@given(st.integers(0, 2**32))
+@settings(max_examples=20, deadline=None)
+def test_all_centres_come_back_and_move_with_their_label(seed):
+    voronoi, at = bodies(), eight_at(seed)
+    vector = voronoi.encode(at)
+    again = voronoi.decode(vector)
+    assert again.positions == pytest.approx(at.positions, rel=1e-12)
+    assert again.weights.tolist() == at.weights.tolist()
+    assert again.parts.tolist() == PARTS.tolist()
+    places = [voronoi.coordinates(k).tolist() for k in range(4)]
+    assert sum(places, []) == [*range(32)]
+    assert [len(own) for own in places] == [4, 12, 8, 8]
+    legs = voronoi.permute(vector, np.array([0, 1, 3, 2]))
+    assert legs[places[2]].tolist() == vector[places[3]].tolist()
+    assert legs[places[3]].tolist() == vector[places[2]].tolist()
+    before, after = voronoi.labels(np.stack([vector, legs]))
+    # A leg keeps its first piece; both have as many centres, in the same order.
+    assert (np.array([0, 1, 3, 2])[after] == before).all()
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("bdy=3", "centers: unknown label 'bdy'; did you mean 'body'"),
+        ("arm*=3", r"centers: 'arm\*' matches none of the labels head, body, leg1, leg2"),
+        ("leg*=2,leg1=3", "centers: label 'leg1' is given twice"),
+        *(
+            (wrong, f"centers: '{wrong}' is not understood; write label=count")
+            for wrong in ("body", "body=0", "body=-1", "body=2.5", "body=", "=3x")
+        ),
+    ],
+)
+def test_centres_that_make_no_sense_are_refused(text, says):
+    with pytest.raises(UsageError, match=says):
+        Voronoi(SHAPE, 4, centers=text, labels=NAMES)
+
+
+def test_labels_that_no_word_names_have_one_centre():
+    assert parse_counts("leg2=2", NAMES) == {"head": 1, "body": 1, "leg1": 1, "leg2": 2}
+    with pytest.raises(UsageError, match="the names of all 4 labels are needed"):
+        Voronoi(SHAPE, 4, centers="body=3")

@@ -92,3 +92,16 @@ def test_a_start_with_other_labels_is_refused(moseg, mallet, tmp_path):
     )
     assert run.code == 2
     assert "has the labels handle, head; the problem has a, b" in run.err
+
+
+def test_a_label_may_have_several_centres(moseg, mallet, tmp_path):
+    first, second = (tmp_path / f"{name}.json" for name in ("first", "second"))
+    problem = ("--labels", "handle,head", "--minimize", SENTENCE)
+    several = ("--parameterization", 'voronoi(centers="head=2")')
+    assert moseg("segment", mallet, *problem, *several, "-o", first).code == 0
+    assert [len(part.get("more", [])) for part in read(first)["parts"]] == [0, 1]
+    assert moseg("segment", mallet, "--start", first, *several, "-o", second).code == 0
+    assert read(second)["cost"]["value"] <= read(first)["cost"]["value"]
+    run = moseg("segment", mallet, "--start", first)
+    assert run.code == 2
+    assert """--parameterization 'voronoi(centers="head=2")'""" in run.err

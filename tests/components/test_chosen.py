@@ -260,3 +260,26 @@ def test_a_constructor_may_refuse_what_the_user_gave(site, kind):
     )
     with pytest.raises(kind, match=r"^not with this$"):
         ready.make()
+
+
+def test_a_parameter_that_names_labels_must_be_there(site):
+    site.add(
+        *("acme-thirds", "1.0"),
+        bundles={"acme": "acme_thirds"},
+        acme_thirds="""
+            from moseg_core import ParameterizationSpec, hookimpl
+
+            moseg_contract = 1
+
+            @hookimpl
+            def moseg_parameterizations():
+                target, names = "acme_thirds:Thirds", ("cuts",)
+                return [ParameterizationSpec(name="t", target=target, label_parameters=names)]
+
+            class Thirds:
+                def __init__(self, shape, n_parts, *, cut="", labels=()):
+                    pass
+        """,
+    )
+    with pytest.raises(PluginError, match=r"'acme:t' .* name labels in 'cuts', and has no such par"):
+        prepare(Choice("acme:t"), "parameterization", site.discover())

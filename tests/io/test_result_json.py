@@ -8,6 +8,7 @@ import math
 import numpy as np
 import pytest
 
+from moseg_core.components.protocols import Centers
 from moseg_core.errors import UsageError
 from moseg_core.io.result_json import FORMAT, evaluation_document, read_result, write_json
 from tests.results import result_on
@@ -31,6 +32,23 @@ def test_what_is_written_is_read_back(written, box):
     assert (saved.seed, saved.reason, saved.warnings) == (3, "converged", ("watch out",))
     assert saved.shape["fingerprint"] == box.fingerprint
     assert {stage: tuple(records) for stage, records in saved.history.items()} == result.history
+
+
+def test_several_centres_of_a_part_are_read_back(box, tmp_path):
+    centers = Centers(
+        positions=box.points[[0, -1, 3]],
+        weights=np.array([1.0, 2.0, 0.5]),
+        parts=np.array([0, 1, 1]),
+    )
+    path = tmp_path / "x.json"
+    path.write_bytes(write_json(result_on(box, centers=centers)))
+    first, second = json.loads(path.read_text())["parts"]
+    assert "more" not in first
+    assert [row["weight"] for row in second["more"]] == [0.5]
+    saved = read_result(path).centers
+    np.testing.assert_array_equal(saved.positions, centers.positions)
+    assert saved.weights.tolist() == [1.0, 2.0, 0.5]
+    assert saved.parts.tolist() == [0, 1, 1]
 
 
 def test_each_entry_is_one_line(written):

@@ -369,3 +369,40 @@ def test_pins_do_not_move_what_a_frozen_label_holds():
 def test_without_constraints_what_is_held_stays_to_the_bit():
     found, vector = constraints([]), vectors(0)[0]
     assert found.holding(vector, [1]) is vector
+
+
+def test_a_label_with_several_centres_is_refused_by_name():
+    partition = Voronoi(TABLE, 6, centers="body=3,leg1=2", labels=DOG)
+    found = bind_constraints(["onplane(head)", "mirror(leg2, leg1)"], DOG, known(), None)
+    with pytest.raises(UsageError, match=r"'mirror\(leg2, leg1\)' is about .* 'leg1' has 2; leave"):
+        Constraints(found, partition, TABLE, DOG)
+    with pytest.raises(UsageError, match=r"'onplane\(body\)' is about .* 'body' has 3; leave"):
+        Constraints(
+            bind_constraints(["onplane(body)"], DOG, known(), None), partition, TABLE, DOG
+        )
+
+
+def test_constraints_leave_the_centres_of_other_labels_alone():
+    partition = Voronoi(TABLE, 6, centers="body=3", labels=DOG)
+    found = Constraints(bind_constraints(BULLDOG[1:], DOG, known(), None), partition, TABLE, DOG)
+    assert (found.n_free, found.n_all) == (24, 32)
+    assert found.coordinates(1).tolist() == [*range(4, 16)]
+    vector = vectors(3, n=8, count=1)[0]
+    feasible = found.feasible(vector)
+    body = partition.coordinates(1)
+    assert feasible[body].tolist() == vector[body].tolist()
+    leg, image = (feasible[partition.coordinates(k)] for k in (2, 3))
+    assert image == pytest.approx([-leg[0], *leg[1:]], abs=1e-12)
+    completed = found.completed(vector)
+    assert completed[body].tolist() == vector[body].tolist()
+
+    problem = Problem(DOG, "narrow(leg*)", constraints=BULLDOG[1:], registry=known())
+    result = segment(
+        *(TABLE, problem),
+        parameterization='voronoi(centers="body=3")',
+        seeder="evolution(population=6, iterations=2)",
+        optimizer="pattern_search(max_evaluations=60)",
+        restarts=1,
+    )
+    assert result.dimension == (24, 32)
+    assert result.centers.parts.tolist() == [0, 1, 1, 1, 2, 3, 4, 5]

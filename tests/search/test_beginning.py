@@ -318,3 +318,24 @@ def test_centres_move_towards_pins_as_far_as_constraints_allow():
     assert broken_pins(evaluator, run) == 0
     one, other = squares_of(evaluator, run)
     assert one + other == pytest.approx(7)
+
+
+def test_of_several_centres_the_nearest_moves_towards_a_pin():
+    def twice(shape, n):
+        return Voronoi(shape, n, centers="a=2", labels=["a", "b"])
+
+    evaluator = on_strip(partition=twice, pins={"a": [5]})
+    start = centers_at(1, 2, 6)
+    run = begun(evaluator, start=replace(start, parts=np.array([0, 0, 1])))
+    assert broken_pins(evaluator, run) == 0
+    assert squares_of(evaluator, run) == pytest.approx([1, 5, 6])
+
+
+def test_a_seeder_gives_one_centre_where_a_label_has_several():
+    def twice(shape, n):
+        return Voronoi(shape, n, centers="a=2", labels=["a", "b"])
+
+    run = begun(on_strip(partition=twice), seeder(seeding_at(1, 6)), labeler([1, 0]))
+    assert squares_of(on_strip(partition=twice), run) == pytest.approx([6, 6, 1])
+    assert run.free.all()
+    assert len(run.free) == 12

@@ -159,3 +159,14 @@ def test_the_least_of_all_processes_is_kept():
     found = tracked.best_found(error)
     assert found.failure is error
     assert (found.cost, found.vector.tolist()) == (cost, vector.tolist())  # the exact one
+
+
+def test_the_best_so_far_keeps_all_centres_of_a_label():
+    error = failure_of(
+        segment,
+        *(FINE, problem_of(after(900))),
+        parameterization='voronoi(centers="bar=2")',
+        resolution=200,
+        restarts=1,
+    )
+    assert error.result.centers.parts.tolist() == [0, 1, 1]

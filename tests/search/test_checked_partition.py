@@ -15,11 +15,16 @@ from moseg_core.components.part import Part
 from moseg_core.components.protocols import Centers, Parameterization
 from moseg_core.errors import PluginError, UsageError
 from moseg_core.problem.problem import Problem
-from moseg_core.search.checked_partition import CheckedParameterization, checked
+from moseg_core.search.checked_partition import (
+    CheckedParameterization,
+    checked,
+    make_partition,
+)
 from moseg_core.search.evaluator import ProblemEvaluator
 from moseg_core.search.segment import segment
 from moseg_core.shape.shape import Shape
 from tests import shapes
+from tests.made_up import stranger
 
 SHAPE = Shape.from_mesh(*shapes.strip(8))
 WHO = "parameterization 'acme:odd' of moseg-acme 2.0"
@@ -36,7 +41,7 @@ def answering(**answers):
     def method(answer):
         return lambda self, *given: answer(*given) if callable(answer) else answer
 
-    bounds = ("n_parts", "lower", "upper", "scale")
+    bounds = ("n_parts", "lower", "upper", "scale", "centers_per_part")
     made = {
         name: property(method(answer)) if name in bounds else method(answer)
         for name, answer in answers.items()
@@ -293,6 +298,43 @@ def test_a_measure_is_blamed_and_not_the_objective(run):
     ) as caught:
         run("girthy(a)")
     assert "objective" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "wrong", [3, [1], [0, 1], [1, 1.5], "12", [[1], [1]]], ids=lambda wrong: str(wrong)
+)
+def test_centres_a_part_are_whole_numbers(wrong):
+    with pytest.raises(PluginError, match="must have a whole number of centres for each of 2 par"):
+        odd(centers_per_part=lambda: wrong)
+
+
+def test_centres_a_part_are_those_that_it_says():
+    assert odd().centers_per_part.tolist() == [1, 1]
+    body = checked(Voronoi(SHAPE, 2, centers="b=2", labels=["a", "b"]), SHAPE)
+    assert body.centers_per_part.tolist() == [1, 2]
+    own = Centers(positions=SHAPE.points[:3], weights=np.ones(3), parts=np.array([0, 1, 1]))
+    assert body.decode(body.encode(own)).parts.tolist() == [0, 1, 1]
+    assert body.encode(CENTERS).shape == (12,)
+    for parts in (None, np.array([0, 0, 1]), np.array([1, 1, 0]), np.array([0, 1, 2])):
+        wrong = Centers(positions=own.positions, weights=own.weights, parts=parts)
+        with pytest.raises(ValueError, match=r"takes 2 centres or \[1, 2\] for each part"):
+            body.encode(wrong)
+    less = odd(centers_per_part=lambda: np.array([1, 2]))
+    with pytest.raises(PluginError, match=r"to 3 finite centres, \[1, 2\] for each part"):
+        less.decode(VECTOR)
+
+
+def test_who_takes_labels_is_told_them():
+    told = []
+
+    class Told(Voronoi):
+        def __init__(self, shape, n_parts, *, labels):
+            told.append(labels)
+            super().__init__(shape, n_parts)
+
+    make_partition(stranger("parameterization", Told), SHAPE, ["a", "b"])
+    make_partition(stranger("parameterization", Voronoi), SHAPE, ["a", "b"])
+    assert told == [("a", "b")]
 
 
 def test_a_start_that_is_not_finite_is_still_the_users(run):

@@ -191,3 +191,19 @@ def test_one_that_knows_neither_is_refused_by_name(by):
         check_parameterization(stranger("parameterization", kind))
     with pytest.raises(UsageError, match=r"parameterization 'strange:made' .* cannot be clipped"):
         check_parameterization(stranger("parameterization", Plain))
+
+
+def test_where_a_part_has_several_centres_the_nearest_counts():
+    centers = Centers(
+        positions=np.array([[0.5, 0.5, 0], [4.9, 0.5, 0], [7.5, 0.5, 0]]),
+        weights=np.array([1.0, 1.0, 3.0]),
+        parts=np.array([0, 1, 1]),
+    )
+    method = {"parameterization": 'core:voronoi(centers="second=2")'}
+    found = strip_in_two(centers=centers, method=method)
+    clipped = clip(found).clipped
+    fresh = clipped.mesh.vertices[len(STRIP.geometry.vertices) :]
+    assert len(fresh) >= 2
+    apart = np.linalg.norm(fresh[:, None] - centers.positions, axis=2) / centers.weights
+    np.testing.assert_allclose(apart[:, 0], apart[:, 1:].min(axis=1), atol=1e-5)
+    assert_valid(STRIP.geometry, found.labels, clipped)

@@ -333,3 +333,26 @@ def test_results_of_several_levels_are_saved_and_read_back(result, tmp_path):
         assert suffix == "seg" or read.names == result.problem.labels
     assert load(tmp_path / "beam.glb").n_elements >= SHAPE.n_elements
     assert b"rest/stem" in (tmp_path / "beam.glb").read_bytes()
+
+
+def test_several_centres_are_about_the_labels_of_the_first_level():
+    found = segment_hierarchy(
+        SHAPE, TASK, parameterization='voronoi(centers="bar=2")', optimizer=FEW
+    )
+    assert found.method["parameterization"] == 'core:voronoi(centers="bar=2")'
+    assert found.method["rest: parameterization"] == "core:voronoi"
+    assert found.centers.per_part.tolist() == [2, 1, 1]
+    assert (found.levels[""].centers.of(0).positions == found.centers.positions[:2]).all()
+    assert (found.levels["rest"].centers.positions == found.centers.positions[2:]).all()
+    both = 'voronoi(connected=false, centers="bar=2")'
+    found = segment_hierarchy(SHAPE, TASK, parameterization=both, optimizer=FEW)
+    assert found.method["rest: parameterization"] == "core:voronoi(connected=0)"
+
+
+def test_a_level_may_say_how_many_centres_its_own_labels_have():
+    rest = Hierarchy(REST, search=Method(parameterization='voronoi(centers="foot=2")'))
+    task = Hierarchy(WHOLE, {"rest": rest})
+    for more in ({}, {"parameterization": 'voronoi(centers="bar=2")'}):
+        found = segment_hierarchy(SHAPE, task, optimizer=FEW, **more)
+        assert found.method["rest: parameterization"] == 'core:voronoi(centers="foot=2")'
+        assert found.centers.per_part.tolist() == [2 if more else 1, 1, 2]

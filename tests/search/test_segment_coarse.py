@@ -270,3 +270,13 @@ def test_the_better_half_goes_on():
         else:
             assert cut["value"] >= whole["value"]
     assert every.evaluation.cost <= race.evaluation.cost
+
+
+def test_several_centres_are_carried_from_super_elements_to_elements():
+    found = run(parameterization='voronoi(centers="o*=2")', seeder="kmeans", restarts=1)
+    assert found.centers.parts.tolist() == [0, 0, 1, 1]
+    assert found.evaluation.cost == PROBLEM.evaluate(SHAPE, found.labels).cost
+    assert found.history["polish"]
+    assert [part.n_components for part in found.segmentation.parts] == [1, 1]
+    single = run(seeder="kmeans", restarts=1)
+    assert found.history["search"][0]["value"] == single.history["search"][0]["value"]

@@ -118,3 +118,52 @@ def test_a_run_that_is_asked_to_stop_keeps_the_best_so_far(after):
     # Each stage that was under way ends at its next report, and no new start begins.
     assert len(seen) <= after + 1
     assert found.cost == PROBLEM.evaluate(SHAPE, found.labels).cost.value
+
+
+# --- several centres for a label -----------------------------------------------------------------
+
+TWO_BARS = 'voronoi(centers="bar=2")'
+
+
+def test_a_search_with_more_centres_goes_on_from_a_result_with_one_each():
+    single = segment(SHAPE, PROBLEM, optimizer="pattern_search(max_evaluations=1)")
+    found = segment(SHAPE, PROBLEM, start=single, parameterization=TWO_BARS)
+    assert found.history["search"][0]["value"] == single.cost
+    assert found.cost < single.cost
+    assert found.centers.parts.tolist() == [0, 1, 1]
+    assert found.dimension == (12, 12)
+    assert found.method["parameterization"] == 'core:voronoi(centers="bar=2")'
+    assert all(part.n_components == 1 for part in found.segmentation.parts)
+
+    other = Problem(["bar", "stem"], "3*narrow(stem) + perpendicular(stem, bar)")
+    again = segment(
+        *(SHAPE, other),
+        start=found,
+        parameterization=TWO_BARS,
+        freeze=["bar"],
+        optimizer="pattern_search(max_evaluations=30)",
+    )
+    assert again.history["search"][0]["value"] == pytest.approx(found.cost, rel=1e-12)
+    assert again.centers.parts.tolist() == [0, 0, 1]
+    assert again.centers.positions[:2] == pytest.approx(found.centers.positions[1:], rel=1e-12)
+    assert again.centers.weights[:2].tolist() == found.centers.weights[1:].tolist()
+
+
+@pytest.mark.parametrize("centers", ["", "stem=2", "bar=3"])
+def test_a_start_with_other_numbers_of_centres_is_refused(centers):
+    start = Centers(positions=SHAPE.points[:3], weights=np.ones(3), parts=np.array([0, 1, 1]))
+    with pytest.raises(UsageError, match=r"the start has . centres for label '(stem|bar)', and .*") as e:
+        segment(SHAPE, PROBLEM, start=start, parameterization={"name": "voronoi", "centers": centers})
+    assert """give as many, such as --parameterization 'voronoi(centers="bar=2")'""" in str(e.value)
+
+
+@pytest.mark.parametrize("parts", [[0, 0, 0], [0, 1, 2], [0.0, 1.0, 1.0], [-1, 0, 1]])
+def test_a_start_says_whose_its_centres_are(parts):
+    start = Centers(positions=SHAPE.points[:3], weights=np.ones(3), parts=np.array(parts))
+    with pytest.raises(UsageError, match="which of 2 labels it belongs to"):
+        segment(SHAPE, PROBLEM, start=start, parameterization=TWO_BARS)
+
+
+def test_an_unknown_label_is_named():
+    with pytest.raises(UsageError, match="centers: unknown label 'bra'; did you mean 'bar'"):
+        segment(SHAPE, PROBLEM, parameterization='voronoi(centers="bra=2")')

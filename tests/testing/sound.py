@@ -59,6 +59,13 @@ class Unweighted:
         return np.reshape(vector, (-1, 3))[order].reshape(-1)
 
 
+class Bodies(Voronoi):
+    """Voronoi partitions whose first part has three centres; it must be told the labels."""
+
+    def __init__(self, shape, n_parts, *, labels):
+        super().__init__(shape, n_parts, centers=f"{labels[0]}=3", labels=labels)
+
+
 class Spread:
     """A search by chance: ten children of the best so far, nearer where few of them are better.
 

@@ -18,7 +18,13 @@ from moseg_core.components.protocols import Centers, ClippableParameterization, 
 from moseg_core.shape.shape import Shape
 from moseg_core.testing.check import ContractFailure, Skip, Subject, check
 from moseg_core.testing.fixtures.comparison import as_numbers, expect_equal, unlike
-from moseg_core.testing.fixtures.problems import encoded, placed, within
+from moseg_core.testing.fixtures.problems import (
+    encoded,
+    own_centers,
+    own_encoded,
+    placed,
+    within,
+)
 from moseg_core.testing.fixtures.shapes import cloud, horseshoe, lump, reordered
 from moseg_core.testing.fixtures.trial import made
 from moseg_core.types import FloatArray, Int32Array
@@ -94,7 +100,7 @@ def _one_label_each(subject: Subject) -> None:
 def _batch(subject: Subject) -> None:
     """Candidates come in batches of any size; a result must not depend on its company."""
     for what, shape, partition in _partitions(subject):
-        tried = encoded(partition, shape, *range(6))
+        tried = own_encoded(partition, shape, *range(6))
         expect_equal(
             _labels(partition, tried),
             np.vstack([_labels(partition, vector[None]) for vector in tried]),
@@ -109,33 +115,44 @@ def _batch(subject: Subject) -> None:
 def _encode_decode(subject: Subject) -> None:
     """Seeders place centres and users see them; both go through encode() and decode()."""
     for what, shape, partition in _partitions(subject):
-        meant = placed(shape, partition.n_parts, 5)
-        vector = as_numbers(partition.encode(meant))
-        lower, upper = partition.lower, partition.upper
-        if vector.shape != lower.shape or not ((vector >= lower) & (vector <= upper)).all():
-            raise ContractFailure(
-                did=f"centres on elements, of weights near 1, were encoded for {what}",
-                got=f"{vector.tolist()}",
-                expected=f"{len(lower)} numbers within the bounds",
-                fix="scale positions by shape.frame.to_unit; move centres to the nearest that"
-                " can be had",
-            )
-        back = partition.decode(vector)
-        moved = unlike(back.positions, meant.positions, tolerance=_CLOSE * shape.frame.scale)
-        again = unlike(partition.encode(back), vector, tolerance=_CLOSE)
-        weights = as_numbers(back.weights)
-        # A family may do without weights: then all are equal.
-        spread = min(np.ptp(weights / meant.weights), np.ptp(weights))
-        kept = weights.shape == (partition.n_parts,) and spread < _CLOSE
-        if moved is not None or again is not None or not kept:
-            raise ContractFailure(
-                did=f"centres were encoded and decoded for {what}",
-                got=f"positions up to {0.0 if moved is None else moved:.3g} away, weights"
-                f" {weights.round(6).tolist()} for {meant.weights.round(6).tolist()}",
-                expected="the same positions in model units, weights in the same ratios (or all"
-                " equal), and the same vector when encoded again",
-                fix="let decode() undo encode(), shape.frame.to_model undo shape.frame.to_unit",
-            )
+        _comes_back(what, shape, partition, own_centers(partition, shape, 5))
+        # Where a part has several centres, a seeder still gives one.
+        _comes_back(what, shape, partition, placed(shape, partition.n_parts, 5))
+
+
+def _comes_back(what: str, shape: Shape, partition: Parameterization, meant: Centers) -> None:
+    """Complain unless centres that are encoded are decoded again."""
+    vector = as_numbers(partition.encode(meant))
+    lower, upper = partition.lower, partition.upper
+    if vector.shape != lower.shape or not ((vector >= lower) & (vector <= upper)).all():
+        raise ContractFailure(
+            did=f"centres on elements, of weights near 1, were encoded for {what}",
+            got=f"{vector.tolist()}",
+            expected=f"{len(lower)} numbers within the bounds",
+            fix="scale positions by shape.frame.to_unit; move centres to the nearest that"
+            " can be had; let Centers.fitted() give each part as many as it has",
+        )
+    whole = partition.decode(vector)
+    own = own_centers(partition, shape, 5).per_part
+    counted = np.array_equal(whole.per_part, own) and len(whole.positions) == own.sum()
+    back = whole.fitted(meant.per_part) if counted else whole
+    moved = unlike(back.positions, meant.positions, tolerance=_CLOSE * shape.frame.scale)
+    again = unlike(partition.encode(whole), vector, tolerance=_CLOSE) if counted else None
+    weights = as_numbers(back.weights)
+    # A family may do without weights: then all are equal.
+    kept = counted and weights.shape == meant.weights.shape
+    kept = kept and min(np.ptp(weights / meant.weights), np.ptp(weights)) < _CLOSE
+    if moved is not None or again is not None or not kept:
+        raise ContractFailure(
+            did=f"centres were encoded and decoded for {what}",
+            got=f"positions up to {0.0 if moved is None else moved:.3g} away, weights"
+            f" {weights.round(6).tolist()} for {meant.weights.round(6).tolist()}, of parts"
+            f" with {whole.per_part.tolist()} centres each",
+            expected="the same positions in model units, weights in the same ratios (or all"
+            " equal), and the same vector when encoded again; for each part as many as"
+            " centers_per_part says, else one",
+            fix="let decode() undo encode(), shape.frame.to_model undo shape.frame.to_unit",
+        )
 
 
 @check("parameterization-element-order", kinds=["parameterization"])
@@ -145,7 +162,7 @@ def _element_order(subject: Subject) -> None:
         other, order = reordered(shape)
         first, second = made(subject, shape, n), made(subject, other, n)
         for seed in range(4):
-            centers = placed(shape, n, seed)
+            centers = own_centers(first, shape, seed)
             labels = _labels(first, first.encode(centers)[None])[0]
             found = _labels(second, second.encode(centers)[None])[0]
             if wrong := int((labels[order] != found).sum()):
@@ -166,7 +183,7 @@ def _connected(subject: Subject) -> None:
     if not getattr(partition, "connected", False):
         raise Skip("it does not say that its parts are connected")
     anywhere = within(partition.lower, partition.upper, partition.scale, 20)
-    tried = np.vstack([anywhere, encoded(partition, shape, *range(20))])
+    tried = np.vstack([anywhere, own_encoded(partition, shape, *range(20))])
     assert shape.adjacency is not None  # it is a mesh
     a, b = shape.adjacency.pairs.T
     for vector, labels in zip(tried, _labels(partition, tried), strict=True):
@@ -205,21 +222,22 @@ def _coordinates(subject: Subject) -> None:
     """A part is frozen, or follows others, by its coordinates; those of others must be free."""
     for what, shape, partition in _partitions(subject):
         size = len(partition.lower)
-        vector, other = encoded(partition, shape, 6, 7)
+        vector, other = own_encoded(partition, shape, 6, 7)
         for part in range(partition.n_parts):
             own = np.asarray(partition.coordinates(part))
             mixed = other.copy()
             legal = np.issubdtype(own.dtype, np.integer) and own.ndim == 1 and own.size > 0
             if legal and own.min() >= 0 and own.max() < size:
                 mixed[own] = vector[own]
-                kept = partition.decode(mixed).positions[part]
-                if unlike(kept, partition.decode(vector).positions[part], tolerance=1e-6) is None:
+                kept = partition.decode(mixed).of(part).positions
+                before = partition.decode(vector).of(part).positions
+                if unlike(kept, before, tolerance=1e-6) is None:
                     continue
             raise ContractFailure(
                 did=f"coordinates({part}) was asked for {what}, and all others were changed",
                 got=f"{own.tolist()}, which do not keep the centre where it was",
                 expected=f"all places, of 0 to {size - 1}, that decide about part {part}",
-                fix="return the indices of its position and weight in the vector",
+                fix="return the indices of its positions and weights in the vector",
             )
 
 
@@ -230,7 +248,7 @@ def _distances(subject: Subject) -> None:
     partition = made(subject, shape, n)
     if not isinstance(partition, ClippableParameterization):
         raise Skip("it does not say how far points are from its parts")
-    for vector in encoded(partition, shape, *range(4)):
+    for vector in own_encoded(partition, shape, *range(4)):
         distances = as_numbers(partition.distances(vector, shape.points))
         expected = (shape.n_elements, n)
         if distances.shape != expected or not np.isfinite(distances).all():

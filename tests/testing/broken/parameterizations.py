@@ -7,6 +7,7 @@ import numpy as np
 from moseg_core.builtin.voronoi import Voronoi
 from moseg_core.components.discovery.specs import ParameterizationSpec
 from moseg_core.components.protocols import Centers
+from tests.testing.sound import Bodies
 
 _NAMES = {
     "parameterization-bounds": "StepsOfNothing",
@@ -23,6 +24,17 @@ _NAMES = {
 BROKEN = {
     id: ParameterizationSpec(name="broken", target=f"tests.testing.broken.parameterizations:{name}")
     for id, name in _NAMES.items()
+}
+
+SEVERAL_CENTERS = {
+    id: ParameterizationSpec(name="broken", target=f"tests.testing.broken.parameterizations:{name}")
+    for id, name in {
+        "parameterization-encode-decode": "DecodesTheFirst",
+        "parameterization-permute": "OthersElsewhere",
+        "parameterization-coordinates": "CoordinatesOfTheFirst",
+        "parameterization-connected": "KeepsAllPieces",
+        "parameterization-distances": "DistancesOfTheFirst",
+    }.items()
 }
 
 
@@ -101,3 +113,49 @@ class DistancesWithoutWeights(Voronoi):
         rows = vector.reshape(-1, 4).copy()
         rows[:, 3] = 1.0
         return super().distances(rows.reshape(-1), points)
+
+
+# --- several centres a part ----------------------------------------------------------------------
+
+
+class DecodesTheFirst(Bodies):
+    """One centre a part, whatever it says."""
+
+    def decode(self, vector):
+        return super().decode(vector).first
+
+
+class OthersElsewhere(Bodies):
+    """The other centres of the first part begin beside the first, so that they change its cell."""
+
+    def encode(self, centers):
+        rows = super().encode(centers).reshape(-1, 4)
+        if centers.parts is None:
+            rows[1:3, 0] += [0.3, -0.3]
+        return rows.reshape(-1)
+
+
+class CoordinatesOfTheFirst(Bodies):
+    """Coordinates of one centre of several."""
+
+    def coordinates(self, part):
+        return super().coordinates(part)[:4]
+
+
+class KeepsAllPieces(Bodies):
+    """What the centres of a part reach is its own, wherever it is."""
+
+    def labels(self, vectors):
+        per_part = self.centers_per_part
+        alone = Voronoi(self._shape, int(per_part.sum())).labels(vectors)
+        return np.repeat(np.arange(len(per_part), dtype=np.int32), per_part)[alone]
+
+
+class DistancesOfTheFirst(Bodies):
+    """Distances from one centre of several."""
+
+    def distances(self, vector, points):
+        first = self.decode(vector).first
+        return Voronoi(self._shape, self.n_parts).distances(
+            Voronoi(self._shape, self.n_parts).encode(first), points
+        )
