@@ -19,9 +19,9 @@ Three things make the loop fast without changing what comes out:
   queue under their own distance, to be opened when they would have been: until then their path's
   entries stood in the queue below them, so every other entry is popped in the same order.
 
-A part may have several centres, each of which floods. What its centres reach may then lie apart:
-:func:`flood_parts` gives a piece away, by a second flood from all others, where the part has another
-piece on the same component of the graph with a centre that comes before.
+A part may have several centres, each of which floods. What they reach may lie apart: then
+:func:`flood_parts` keeps the piece with the first of the part's centres that has reached anything,
+one on each component of the graph, and a second flood from all that is kept takes the others.
 """
 
 from __future__ import annotations

@@ -30,6 +30,9 @@ from moseg_core.search.workers import available_workers
 from moseg_core.shape.shape import Shape
 from moseg_core.types import BoolArray, FloatArray, Int32Array, IntArray
 
+#: With centers="auto" a part that is expected to have more than this share of the area gets so
+#: many centres more.
+_LARGE, _MORE = 0.25, 2
 #: Below so many labels to find, threads take longer to start than they save.
 _WORTH_THREADS = 300_000
 
@@ -47,9 +50,12 @@ class Voronoi:
         reach apart from that goes to other parts.
     centers : str
         How many centres some parts have, ``label=count,label=count``, globs allowed:
-        ``"body=3,leg*=2"``. All others have one.
+        ``"body=3,leg*=2"``. All others have one. Or ``auto``: three for each label that is expected
+        to have more than a quarter of the area, as terms such as ``area_fraction`` say.
     labels : sequence of str
         What the parts are called; needed where `centers` are given.
+    expected_shares : (n,) float, optional
+        The share of the area that each part is expected to have, NaN where nothing is known.
 
     Raises
     ------
@@ -79,12 +85,16 @@ class Voronoi:
         connected: bool = True,
         centers: str = "",
         labels: Sequence[str] = (),
+        expected_shares: FloatArray | None = None,
     ) -> None:
         self._shape = shape
         self._n_parts = n_parts
         self.connected = connected and shape.adjacency is not None
         self._counts = np.ones(n_parts, np.int64)
-        if centers:
+        if centers == "auto":
+            if expected_shares is not None:
+                self._counts[np.asarray(expected_shares) > _LARGE] += _MORE
+        elif centers:
             if len(labels) != n_parts:
                 raise UsageError(f"centers: the names of all {n_parts} labels are needed too")
             self._counts = np.array(list(parse_counts(centers, labels).values()), np.int64)
@@ -179,7 +189,7 @@ class Voronoi:
         return np.minimum.reduceat(distance, self._starts, axis=1) if self._several else distance
 
     def coordinates(self, part: int) -> IntArray:
-        """(4k,) int: the places of the positions and weights of a part's k centres in the vector."""
+        """(4k,) int: where in the vector the positions and weights of a part's k centres are."""
         first = 4 * int(self._starts[part])
         return np.arange(first, first + 4 * int(self._counts[part]))
 

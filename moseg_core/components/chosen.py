@@ -13,7 +13,12 @@ from typing import Any
 
 from moseg_core.components.discovery.registry import Component, Registry
 from moseg_core.components.discovery.specs import Kind
-from moseg_core.components.parameters import PROVIDED, Parameter, check_parameters, declared_parameters
+from moseg_core.components.parameters import (
+    PROVIDED,
+    Parameter,
+    check_parameters,
+    declared_parameters,
+)
 from moseg_core.errors import REPORT, PluginError, UsageError, unknown
 from moseg_core.language import parse_call
 from moseg_core.language.terms import format_call

@@ -36,7 +36,10 @@ KINDS: dict[type, str] = {
 """The types that a parameter can have, as users are told."""
 
 
-PROVIDED: Mapping[str, tuple[str, ...]] = {"optimizer": ("rng",), "parameterization": ("labels",)}
+PROVIDED: Mapping[str, tuple[str, ...]] = {
+    "optimizer": ("rng",),
+    "parameterization": ("labels", "expected_shares"),
+}
 """By kind the keyword-only arguments that the search provides, where a component takes them."""
 
 

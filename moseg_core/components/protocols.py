@@ -95,8 +95,8 @@ class Centers:
     Examples
     --------
     >>> import numpy as np
-    >>> body, head = [[0.0, 0, 0], [1.0, 0, 0]], [[3.0, 0, 0]]
-    >>> both = Centers(positions=np.array(body + head), weights=np.ones(3), parts=np.array([0, 0, 1]))
+    >>> at, parts = np.array([[0.0, 0, 0], [1.0, 0, 0], [3.0, 0, 0]]), np.array([0, 0, 1])
+    >>> both = Centers(positions=at, weights=np.ones(3), parts=parts)
     >>> both.per_part.tolist()
     [2, 1]
     >>> both.ordered(np.array([1, 0])).positions[:, 0].tolist()
@@ -195,9 +195,10 @@ class Parameterization(Protocol):
     """A family of segmentations, described by vectors of real numbers (Sec. 4).
 
     Constructed with ``(shape, n_parts)`` and parameters. One that takes a keyword-only argument
-    ``labels`` is told the names of the parts in it, a tuple of str; it is no parameter of the
-    user's. Vectors are in unit coordinates: a step of ``s`` along coordinate ``k`` is a step of
-    ``s * scale[k]``.
+    ``labels`` is told the names of the parts in it, a tuple of str; in ``expected_shares`` the
+    shares of the area that they are expected to have, (n,) float, NaN where nothing is known
+    (:attr:`moseg_core.Problem.expected_shares`). These are no parameters of the user's. Vectors are
+    in unit coordinates: a step of ``s`` along coordinate ``k`` is a step of ``s * scale[k]``.
     """
 
     @property

@@ -12,16 +12,16 @@ Checking labels is one pass over them, less than a thousandth of what a poll tak
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from moseg_core.components.chosen import PreparedComponent
 from moseg_core.components.discovery.registry import describe
-from moseg_core.components.parameters import takes
+from moseg_core.components.parameters import PROVIDED, takes
 from moseg_core.components.protocols import Centers, Parameterization
 from moseg_core.errors import REPORT, MosegError, PluginError
+from moseg_core.problem.problem import Problem
 from moseg_core.shape.shape import Shape
 from moseg_core.types import FloatArray, Int32Array, IntArray, frozen
 
@@ -129,8 +129,14 @@ class CheckedParameterization:
         """(m,) float: the vector of given centres, its own or one for each part."""
         one_each = np.ones_like(self._per_part)
         if not (_fit(centers, self._per_part) or _fit(centers, one_each)):
-            own = "" if (self._per_part == 1).all() else f" or {self._per_part.tolist()} for each part,"
-            parts = "" if centers.parts is None else f" and parts {np.asarray(centers.parts).tolist()}"
+            own = (
+                ""
+                if (self._per_part == 1).all()
+                else f" or {self._per_part.tolist()} for each part,"
+            )
+            parts = (
+                "" if centers.parts is None else f" and parts {np.asarray(centers.parts).tolist()}"
+            )
             raise ValueError(
                 f"encode() takes {self._n_parts} centres{own} with a weight each, not positions of"
                 f" shape {np.shape(centers.positions)}, weights of shape"
@@ -154,7 +160,9 @@ class CheckedParameterization:
         except (AttributeError, TypeError, ValueError):
             fits = False
         if not fits:
-            own = "" if (self._per_part == 1).all() else f", {self._per_part.tolist()} for each part"
+            own = (
+                "" if (self._per_part == 1).all() else f", {self._per_part.tolist()} for each part"
+            )
             raise self._broken(
                 f"must decode a vector to {self._per_part.sum()} finite centres{own}"
             )
@@ -285,7 +293,7 @@ def checked(parameterization: Parameterization, shape: Shape) -> CheckedParamete
 
 
 def make_partition(
-    ready: PreparedComponent, shape: Shape, labels: Sequence[str]
+    ready: PreparedComponent, shape: Shape, problem: Problem
 ) -> CheckedParameterization:
     """The parameterization of a shape that was chosen, behind the adapter.
 
@@ -293,16 +301,21 @@ def make_partition(
     ----------
     ready : PreparedComponent
     shape : Shape
-    labels : sequence of str
-        What the parts are called; a parameterization that takes an argument ``labels`` is told.
+    problem : Problem
+        Says what the parts are called and how large they are expected to be, to a parameterization
+        that takes an argument ``labels`` or ``expected_shares``.
 
     Raises
     ------
     PluginError
         It cannot be made, has other parts than asked for, or impossible bounds.
     """
-    n_parts = len(labels)
-    told = {"labels": tuple(labels)} if takes(ready.factory, "labels") else {}
+    n_parts = len(problem.labels)
+    told = {
+        name: getattr(problem, name)
+        for name in PROVIDED["parameterization"]
+        if takes(ready.factory, name)
+    }
     made = CheckedParameterization(ready.make(shape, n_parts, **told), shape, who=ready.who)
     if made.n_parts != n_parts:
         raise PluginError(

@@ -16,6 +16,7 @@ from moseg_core.clipping.boundaries import Boundaries, DistanceField
 from moseg_core.clipping.clip import check_clippable, clip_along
 from moseg_core.components.chosen import Choice, PreparedComponent, prepare
 from moseg_core.errors import UsageError
+from moseg_core.problem.problem import Problem
 from moseg_core.search.checked_partition import make_partition
 
 if TYPE_CHECKING:
@@ -83,7 +84,8 @@ def _boundaries(ready: PreparedComponent, space: Shape, result: Result) -> Bound
     centers = result.centers
     if getattr(ready.factory, "weighted_bisectors", False) and centers.parts is None:
         return Bisectors(centers.positions, centers.weights)
-    partition = make_partition(ready, space, result.problem.labels)
+    assert isinstance(result.problem, Problem)  # results of several levels are refused
+    partition = make_partition(ready, space, result.problem)
     return DistanceField(partial(partition.distances, partition.encode(centers)))
 
 

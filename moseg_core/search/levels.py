@@ -66,7 +66,8 @@ def segment_hierarchy(
     **options
         The fields of :class:`moseg_core.SearchOptions`, on every level in place of what the level's
         own options say. A seeder that takes centres, such as "given", is about the first level
-        only, and so are parameters that name labels, such as "centers" of "voronoi". The seconds are shared: each level gets its part of what is left.
+        only, and so are parameters that name labels, such as "centers" of "voronoi". The seconds
+        are shared: each level gets its part of what is left.
 
     Returns
     -------

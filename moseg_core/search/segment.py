@@ -191,7 +191,7 @@ def solve(
     seconds = settled.max_seconds
     deadline = None if seconds is None else time.monotonic() + seconds
     embedded = problem.embed(shape)
-    partition = make_partition(ready["parameterization"], embedded, problem.labels)
+    partition = make_partition(ready["parameterization"], embedded, problem)
     whole = ProblemEvaluator(embedded, problem, partition, pins=pinned)
     if start_centers is not None:
         _check_counts(start_centers, partition.centers_per_part, problem.labels)
@@ -200,7 +200,7 @@ def solve(
     grouped = searched_shape(embedded, settled.resolution, pinned)
     coarse = whole
     if grouped is not embedded:
-        partition = make_partition(ready["parameterization"], grouped, problem.labels)
+        partition = make_partition(ready["parameterization"], grouped, problem)
         coarse = ProblemEvaluator(
             grouped, problem, partition, pins=coarse_pins(pinned, grouped), input=whole
         )

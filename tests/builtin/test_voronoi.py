@@ -176,7 +176,7 @@ def test_all_centres_come_back_and_move_with_their_label(seed):
     assert again.weights.tolist() == at.weights.tolist()
     assert again.parts.tolist() == PARTS.tolist()
     places = [voronoi.coordinates(k).tolist() for k in range(4)]
-    assert sum(places, []) == [*range(32)]
+    assert np.concatenate(places).tolist() == [*range(32)]
     assert [len(own) for own in places] == [4, 12, 8, 8]
     legs = voronoi.permute(vector, np.array([0, 1, 3, 2]))
     assert legs[places[2]].tolist() == vector[places[3]].tolist()
@@ -207,3 +207,10 @@ def test_labels_that_no_word_names_have_one_centre():
     assert parse_counts("leg2=2", NAMES) == {"head": 1, "body": 1, "leg1": 1, "leg2": 2}
     with pytest.raises(UsageError, match="the names of all 4 labels are needed"):
         Voronoi(SHAPE, 4, centers="body=3")
+
+
+def test_parts_that_are_expected_to_be_large_have_three_centres():
+    shares = np.array([0.25, 0.3, np.nan, 0.1])
+    found = Voronoi(SHAPE, 4, centers="auto", labels=NAMES, expected_shares=shares)
+    assert found.centers_per_part.tolist() == [1, 3, 1, 1]
+    assert Voronoi(SHAPE, 4, centers="auto").centers_per_part.tolist() == [1, 1, 1, 1]

@@ -281,5 +281,7 @@ def test_a_parameter_that_names_labels_must_be_there(site):
                     pass
         """,
     )
-    with pytest.raises(PluginError, match=r"'acme:t' .* name labels in 'cuts', and has no such par"):
+    with pytest.raises(
+        PluginError, match=r"'acme:t' .* name labels in 'cuts', and has no such par"
+    ):
         prepare(Choice("acme:t"), "parameterization", site.discover())

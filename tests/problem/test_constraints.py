@@ -377,9 +377,7 @@ def test_a_label_with_several_centres_is_refused_by_name():
     with pytest.raises(UsageError, match=r"'mirror\(leg2, leg1\)' is about .* 'leg1' has 2; leave"):
         Constraints(found, partition, TABLE, DOG)
     with pytest.raises(UsageError, match=r"'onplane\(body\)' is about .* 'body' has 3; leave"):
-        Constraints(
-            bind_constraints(["onplane(body)"], DOG, known(), None), partition, TABLE, DOG
-        )
+        Constraints(bind_constraints(["onplane(body)"], DOG, known(), None), partition, TABLE, DOG)
 
 
 def test_constraints_leave_the_centres_of_other_labels_alone():

@@ -328,13 +328,24 @@ def test_who_takes_labels_is_told_them():
     told = []
 
     class Told(Voronoi):
-        def __init__(self, shape, n_parts, *, labels):
-            told.append(labels)
+        def __init__(self, shape, n_parts, *, labels, expected_shares):
+            told.extend([labels, expected_shares.tolist()])
             super().__init__(shape, n_parts)
 
-    make_partition(stranger("parameterization", Told), SHAPE, ["a", "b"])
-    make_partition(stranger("parameterization", Voronoi), SHAPE, ["a", "b"])
-    assert told == [("a", "b")]
+    class Asks(Voronoi):
+        def __init__(self, shape, n_parts):
+            super().__init__(shape, n_parts)
+
+    @objective(range=(0, 1), share=lambda: 0.4)
+    def big(part: Part) -> float:
+        return part.area
+
+    problem = Problem(["a", "b"], "big(a, b)", objectives={"big": big})
+    make_partition(stranger("parameterization", Told), SHAPE, problem)
+    make_partition(stranger("parameterization", Asks), SHAPE, problem)
+    assert told == [("a", "b"), [0.4, 0.4]]
+    auto = make_partition(stranger("parameterization", Voronoi, centers="auto"), SHAPE, problem)
+    assert auto.centers_per_part.tolist() == [3, 3]
 
 
 def test_a_start_that_is_not_finite_is_still_the_users(run):

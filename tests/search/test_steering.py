@@ -152,8 +152,12 @@ def test_a_search_with_more_centres_goes_on_from_a_result_with_one_each():
 @pytest.mark.parametrize("centers", ["", "stem=2", "bar=3"])
 def test_a_start_with_other_numbers_of_centres_is_refused(centers):
     start = Centers(positions=SHAPE.points[:3], weights=np.ones(3), parts=np.array([0, 1, 1]))
-    with pytest.raises(UsageError, match=r"the start has . centres for label '(stem|bar)', and .*") as e:
-        segment(SHAPE, PROBLEM, start=start, parameterization={"name": "voronoi", "centers": centers})
+    with pytest.raises(
+        UsageError, match=r"the start has . centres for label '(stem|bar)', and .*"
+    ) as e:
+        segment(
+            SHAPE, PROBLEM, start=start, parameterization={"name": "voronoi", "centers": centers}
+        )
     assert """give as many, such as --parameterization 'voronoi(centers="bar=2")'""" in str(e.value)
 
 

@@ -31,10 +31,10 @@ from moseg_core.testing.fixtures.objective_values import (
     value_of,
     values_on,
 )
-from moseg_core.testing.fixtures.problems import evaluator_on, labels_of, vectors
+from moseg_core.testing.fixtures.problems import evaluator_on, vectors
 from moseg_core.testing.fixtures.recording import watched
 from moseg_core.testing.fixtures.shapes import ZOO, lump, mapped, slicings, specimen
-from moseg_core.testing.fixtures.trial import Trial, declared, required
+from moseg_core.testing.fixtures.trial import Trial, declared, labels_of, required
 from moseg_core.types import FloatArray
 
 
