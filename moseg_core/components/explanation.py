@@ -26,6 +26,7 @@ from moseg_core.language.terms import format_value
 _WITH_PARAMETERS = (
     "objective",
     "measure",
+    "field",
     "parameterization",
     "seeder",
     "labeler",

@@ -149,7 +149,7 @@ _ADVICE = "write 0.06+-0.02: a typical value and how far from it is still usual"
 def declared_parameters(
     target: Callable[..., Any], *, reserved: Collection[str] = ()
 ) -> tuple[Parameter, ...]:
-    """The parameters of a function, or of a class's ``__init__``: its keyword-only arguments.
+    """The keyword-only arguments of a function, a class's ``__init__`` or an object's ``__call__``.
 
     Parameters
     ----------
@@ -169,7 +169,11 @@ def declared_parameters(
     >>> [(p.name, p.type, str(p.interval)) for p in declared_parameters(tube)]
     [('radius', <class 'float'>, '0 or more')]
     """
-    function = getattr(target, "__init__") if isinstance(target, type) else target  # noqa: B009  # mypy
+    function: Any = target
+    if isinstance(target, type):
+        function = getattr(target, "__init__")  # noqa: B009  # mypy
+    elif not inspect.isroutine(target):
+        function = target.__call__  # an object with state of its own
     try:
         hints = get_type_hints(function, include_extras=True)
         signature = inspect.signature(target)

@@ -25,6 +25,7 @@ _MODULES = (
     "repeats",
     "objectives",
     "invariances",
+    "fields",
     "parameterizations",
     "seeders",
     "labelers",

@@ -6,10 +6,13 @@ import math
 import os
 from typing import Annotated
 
+import numpy as np
+
 from moseg_core.components.constraint_function import constraint
 from moseg_core.components.objectives import Traits, objective
 from moseg_core.components.parameters import Interval
 from moseg_core.components.part import Part
+from moseg_core.components.segmentation import Segmentation
 from moseg_core.language import Target
 
 
@@ -65,6 +68,70 @@ def four(first: Part, second: Part, third: Part, fourth: Part) -> float:
     """An objective on more parts than the zoo has."""
     areas = [part.area for part in (first, second, third, fourth)]
     return min(areas) / max(areas)
+
+
+def height(shape, *, factor: Annotated[float, Interval(0.0, 10.0)] = 1.0):
+    """A field with a parameter: where along the file's third axis, some times."""
+    return factor * shape.points[:, 2]
+
+
+def thirds(shape):
+    """A field without parameters: a third of the height."""
+    return shape.points[:, 2] / 3.0
+
+
+def skewed(shape):
+    """A field that looks at triangles, the volume and neighbours; all but triangles may lack."""
+    corners = shape.geometry.vertices[shape.geometry.triangles]
+    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    area = np.bincount(
+        shape.geometry.triangle_polygon, np.linalg.norm(across, axis=1) / 2, shape.n_elements
+    )
+    known = (shape.volume is not None) + (shape.adjacency is not None)
+    return area / shape.area + known
+
+
+class Remote:
+    """A field that is an object: how far from the centroid, in units of the shape."""
+
+    def __call__(self, shape, *, power: Annotated[float, Interval(0.5, 4.0)] = 1.0):
+        middle = shape.areas @ shape.points / shape.area
+        away = np.linalg.norm(shape.points - middle, axis=1) / shape.area**0.5
+        return away**power
+
+
+remote = Remote()
+
+
+def known_fields(parameters):
+    """Which fields `level` reads, by its parameters."""
+    return ("given:skewed", "given:height") if parameters.get("askew") else ("given:height",)
+
+
+@objective(fields=known_fields)
+def level(part: Part, *, askew: bool = False) -> float:
+    """An objective that reads a field, and another one where it is asked to."""
+    spread = part.field("given:height", factor=2.0).spread
+    return spread + (part.field("given:skewed").mean if askew else 0.0)
+
+
+@objective(fields=("given:skewed",))
+def steep(part: Part) -> float:
+    """An objective whose field needs a surface, which the objective itself does not."""
+    return part.field("given:skewed").mean
+
+
+@objective(requires=("adjacency",), invariant_to=("rigid", "order"))
+def ragged(part: Part) -> float:
+    """An objective on the boundary of a part."""
+    return part.boundary.length**2 / part.area
+
+
+@objective(requires=("adjacency",), fields=("given:height",))
+def at_edges(segmentation: Segmentation) -> float:
+    """An objective on all boundaries, by a field along them."""
+    boundaries = segmentation.boundaries
+    return boundaries.mean("given:height") if boundaries.length > 0 else 0.0
 
 
 def end(part):

@@ -38,6 +38,10 @@ Invariance = Literal["rigid", "scale", "reflection", "order", "tessellation", "l
 """What can leave the values of a component unchanged; see :class:`moseg_core.Traits`."""
 
 
+#: What can leave the value of an element unchanged; which part it is in plays no role.
+_OF_ELEMENTS = tuple(word for word in get_args(Invariance) if word != "labels")
+
+
 @dataclass(frozen=True, kw_only=True)
 class Spec:
     """A component of any kind.
@@ -136,7 +140,7 @@ class FieldSpec(Spec):
         super().__post_init__()
         for verb, given, known in (
             ("requires", self.requires, get_args(Requirement)),
-            ("is invariant to", self.invariant_to, get_args(Invariance)),
+            ("is invariant to", self.invariant_to, _OF_ELEMENTS),
         ):
             for word in (given,) if isinstance(given, str) else given:
                 if word not in known or isinstance(given, str):

@@ -34,6 +34,7 @@ ALL: tuple[Kind, ...] = get_args(Kind)
 #: What each target is called with, by kind: positional arguments, then keyword ones.
 _CALLED: dict[Kind, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "measure": (("part",), ()),
+    "field": (("shape",), ()),
     "parameterization": (("shape", "n_parts"), ()),
     "seeder": ((), ()),
     "labeler": ((), ()),

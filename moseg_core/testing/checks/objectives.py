@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from moseg_core.components.cost import Cost
+from moseg_core.components.discovery.lookup import Lookup
 from moseg_core.components.discovery.registry import describe
 from moseg_core.components.memo import Memo
 from moseg_core.components.protocols import Batch, Objective
@@ -23,9 +24,17 @@ from moseg_core.language.terms import format_call
 from moseg_core.search.evaluator import ProblemEvaluator
 from moseg_core.testing.check import ContractFailure, Skip, Subject, check
 from moseg_core.testing.checks.declarations import within
-from moseg_core.testing.fixtures.comparison import Answers, Raised, expect_no_error, expect_same
+from moseg_core.testing.fixtures.comparison import (
+    Answers,
+    Raised,
+    attempt,
+    expect_no_error,
+    expect_same,
+)
+from moseg_core.testing.fixtures.field_values import compute_declared, computed_fields, fields_of
 from moseg_core.testing.fixtures.objective_values import (
     SLICED,
+    calls_on,
     most_of,
     segmented,
     value_of,
@@ -144,6 +153,7 @@ def _reads(subject: Subject, name: str) -> set[str]:
     target: Objective = subject.load()
     found: set[str] = set()
     shape = specimen(name)
+    compute_declared(subject, shape)  # what a field reads is the field's business
     for labels in slicings(shape).values():
         seen, reads = watched(segmented(subject, shape, labels))
         asked: tuple[object, ...] = (seen,)
@@ -156,6 +166,54 @@ def _reads(subject: Subject, name: str) -> set[str]:
             value_of(subject, given)
         found |= reads
     return found
+
+
+@check("objective-fields-exist", kinds=["objective"])
+def _fields_exist(subject: Subject) -> None:
+    """A declared field is computed before the search, which ends there where nobody has it."""
+    traits, given = subject.load().traits, required(subject)
+    names = attempt(traits.fields, given) if callable(traits.fields) else traits.fields
+    sound = isinstance(names, (tuple, list)) and all(isinstance(name, str) for name in names)
+    lookup = Lookup(subject.registry)
+    for name in names if sound else ():
+        found = attempt(lookup.field, name)
+        if isinstance(found, Raised):
+            raise ContractFailure(
+                did=f"the field '{name}', which it declares, was looked for",
+                got=str(found),
+                expected="a field that is installed with the bundle",
+                fix="write bundle:name of the field, and let the package depend on the one that"
+                " brings it",
+            )
+    if not sound:
+        raise ContractFailure(
+            did=f"it was asked for its fields with the parameters {given}",
+            got=f"{names!r:.80}" if not isinstance(names, Raised) else str(names),
+            expected="the ids of fields in a tuple",
+            fix="declare fields=('bundle:name',), or a function from the parameters that a call"
+            " gives, which may be none, to such a tuple",
+        )
+
+
+@check("objective-declares-its-fields", kinds=["objective"])
+def _declares_its_fields(subject: Subject) -> None:
+    """A field that is not declared is computed in the search, by every process for itself."""
+    for name in ("lump", "neighbored_cloud"):
+        shape = specimen(name)
+        compute_declared(subject, shape)
+        declared = set(fields_of(subject)) | computed_fields(shape)
+        for labels in slicings(shape).values():
+            for given in calls_on(subject.load(), segmented(subject, shape, labels)).values():
+                value_of(subject, given)
+        if more := sorted(computed_fields(shape) - declared):
+            names = "".join(f'"{name}", ' for name in sorted({*fields_of(subject), *more}))
+            raise ContractFailure(
+                did=f"it was asked about parts of the {shape.name}, and the fields of the shape"
+                " were looked at",
+                got=f"{more[0]}, computed meanwhile",
+                expected=f"only what it declares: {', '.join(fields_of(subject)) or 'nothing'}",
+                fix=f"declare fields=({names.rstrip()})",
+            )
 
 
 @check("objective-keeps-shapes-apart", kinds=["objective"])
@@ -217,20 +275,23 @@ def _evaluator(subject: Subject, *, memo: Memo | None = None) -> ProblemEvaluato
     Raises
     ------
     Skip
-        The objective takes more parts.
+        The objective takes more parts, or the core refuses it; other checks say how.
     """
     target: Objective = subject.load()
     if target.traits.least > 3:
         raise Skip(f"it takes {target.traits.least} parts")
     count = {"unary": 3, "global": 0}.get(target.traits.arity, most_of(target, 3))
-    return evaluator_on(
-        lump(),
-        3,
-        format_call("tested", labels_of(count), required(subject).items()),
-        objectives={"tested": target},
-        source=subject.registry,
-        memo=Memo() if memo is None else memo,
-    )
+    try:
+        return evaluator_on(
+            lump(),
+            3,
+            format_call("tested", labels_of(count), required(subject).items()),
+            objectives={"tested": target},
+            source=subject.registry,
+            memo=Memo() if memo is None else memo,
+        )
+    except MosegError as error:
+        raise Skip(f"it cannot be evaluated: {error}") from error
 
 
 def _one_by_one(evaluator: ProblemEvaluator, candidates: FloatArray) -> list[Cost]:

@@ -9,15 +9,19 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from moseg_core.components.discovery.specs import ObjectiveSpec
+from moseg_core.components.field import field_values
 from moseg_core.components.objectives import objective
 from moseg_core.components.parameters import Interval
 from moseg_core.components.part import Part
+from moseg_core.components.segmentation import Segmentation
 
 _NAMES = {
     "objective-returns": "divides_by_the_height",
     "objective-in-range": "promises_too_much",
     "objective-sees-its-parts": "counts_labels",
     "objective-requires-what-it-reads": "looks_for_a_volume",
+    "objective-fields-exist": "hopes_for_a_field",
+    "objective-declares-its-fields": "reads_in_secret",
     "objective-keeps-shapes-apart": "goes_by_the_name",
     "objective-expects-a-share": "expects_whatever_is_said",
     "objective-memo-equals-fresh": "looks_into_the_memo",
@@ -71,6 +75,43 @@ def counts_triangles_or_points(part: Part) -> float:
 def counts_pieces(part: Part) -> float:
     """Of a cloud nobody knows how many there are."""
     return float(part.n_components)
+
+
+@objective(range=(0, math.inf))
+def follows_its_boundary(part: Part) -> float:
+    """Of a cloud nobody knows which points touch, and it did not say that it needs to know."""
+    return part.boundary.length
+
+
+@objective(range=(0, math.inf))
+def follows_all_boundaries(segmentation: Segmentation) -> float:
+    """The same of all parts together."""
+    return segmentation.boundaries.length
+
+
+@objective(range=(0, math.inf), fields=("given:higth",))
+def hopes_for_a_field(part: Part) -> float:
+    """It declares a field that nobody has."""
+    return part.area
+
+
+@objective(range=(0, math.inf), fields=lambda parameters: parameters["factor"])
+def asks_what_was_not_said(part: Part, *, factor: float = 1.0) -> float:
+    """A parameter that a call does not give is not among those of the call."""
+    return part.area * factor
+
+
+@objective(range=(0, math.inf))
+def reads_in_secret(part: Part) -> float:
+    """It reads a field that it does not declare."""
+    return part.field("given:height").spread
+
+
+@objective(fields=("given:height",))
+def reads_by_another_way(part: Part) -> float:
+    """It asks for the values of a field on the whole shape, which it does not declare."""
+    values = field_values(part.shape, "given:thirds", lookup=part.lookup)
+    return float(part.areas @ values[part.elements])
 
 
 cache: dict = {}

@@ -20,6 +20,10 @@ def test_it_fails_this_check_and_no_other(id):
         ("counts_triangles", {"objective-requires-what-it-reads"}),
         ("counts_pieces", {"objective-requires-what-it-reads"}),
         ("counts_triangles_or_points", set()),
+        ("follows_its_boundary", {"objective-returns", "objective-requires-what-it-reads"}),
+        ("follows_all_boundaries", {"objective-returns", "objective-requires-what-it-reads"}),
+        ("asks_what_was_not_said", {"objective-fields-exist"}),
+        ("reads_by_another_way", {"objective-declares-its-fields"}),
     ],
 )
 def test_what_an_objective_may_read(name, expected):
@@ -27,7 +31,9 @@ def test_what_an_objective_may_read(name, expected):
     assert set(failures(spec)) == expected
 
 
-@pytest.mark.parametrize("name", ["share", "near", "four", "sized"])
+@pytest.mark.parametrize(
+    "name", ["share", "near", "four", "sized", "level", "steep", "ragged", "at_edges"]
+)
 def test_unusual_objectives_pass(name):
     found = outcomes(ObjectiveSpec(name="odd", target=f"tests.testing.odd:{name}"))
     assert [outcome for outcome in found if outcome.status == "failed"] == []
