@@ -104,6 +104,7 @@ def site(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Site]:
 #: What a stranger may call as somebody else did; there are no such modules behind it.
 _NAMED = {
     "objective": ("ObjectiveSpec", "moseg_objectives"),
+    "field": ("FieldSpec", "moseg_fields"),
     "constraint": ("ConstraintSpec", "moseg_constraints"),
     "embedding": ("EmbeddingSpec", "moseg_embeddings"),
     "parameterization": ("ParameterizationSpec", "moseg_parameterizations"),

@@ -28,6 +28,7 @@ BROKEN = ROOT / "tests" / "testing" / "broken"
 #: Kinds in the order of the page, with what they are called there.
 KINDS: dict[Kind, str] = {
     "objective": "Objectives",
+    "field": "Fields",
     "parameterization": "Parameterizations",
     "seeder": "Seeders",
     "labeler": "Labelers",

@@ -21,7 +21,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from moseg_core.components.discovery.registry import registry
-from moseg_core.components.discovery.specs import Kind
+from moseg_core.components.discovery.specs import FieldSpec, Kind
 from moseg_core.components.explanation import Explained, bounds, default, explain_component, span
 from moseg_core.components.objectives import Traits
 
@@ -39,6 +39,7 @@ KINDS: dict[Kind, str] = {
     "optimizer": "Optimizers",
     "parameterization": "Parameterizations",
     "measure": "Measures",
+    "field": "Fields",
     "reader": "Readers",
     "writer": "Writers",
     "recipe": "Recipes",
@@ -75,6 +76,8 @@ def _entry(explained: Explained) -> Iterator[str]:
     if traits is not None:
         needs = f"; needs {' and '.join(sorted(traits.requires))}" if traits.requires else ""
         yield f"Takes {traits.takes}; {span(traits)}; {traits.cost}{needs}.\n"
+    elif isinstance(component.spec, FieldSpec) and component.spec.requires:
+        yield f"Needs {' and '.join(component.spec.requires)}.\n"
     if explained.parameters:
         yield "\n| parameter | default | allowed | |\n|---|---|---|---|\n"
     for parameter in explained.parameters:

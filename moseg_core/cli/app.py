@@ -220,6 +220,48 @@ def plot(
 
 
 @app.command
+def field(
+    shape: Path,
+    name: str,
+    /,
+    *,
+    reading: ShapeFlags = _SHAPE_AS_READ,
+    out: Annotated[
+        list[Path] | None,
+        Parameter(
+            name=["--out", "-o"],
+            negative=(),
+            help="File to write; png, ply, npy or csv by suffix. Repeatable.",
+        ),
+    ] = None,
+    json: Flag = False,
+) -> None:
+    """Show a field: a number for each element of a shape, such as how thick it is there.
+
+    Prints the least value, the mean by area and the greatest; writes a picture in colours, or the
+    values. Fields are listed by "moseg plugin list".
+
+    Examples
+    --------
+    moseg field horse.off thickness -o thick.png
+
+    moseg field horse.off "basic:thickness(rays=24)" -o values.npy
+
+    Parameters
+    ----------
+    shape
+        A mesh, point cloud or voxel grid.
+    name
+        The field: a name, or name(key=value).
+    json
+        Print JSON instead of a table.
+    """
+    from moseg_core.cli.field import run_field
+
+    run_field(shape, name, reading=reading, outputs=out or [], as_json=json)
+
+
+@app.command
 def recipes(name: str | None = None, /, *, json: Flag = False) -> None:
     """List installed recipes, or print one as it was shipped, to change it.
 

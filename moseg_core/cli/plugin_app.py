@@ -12,6 +12,7 @@ plugin_app = App(name="plugin", help="Installed bundles of objectives, seeders, 
 Flag = Annotated[bool, Parameter(negative=())]
 Sketched = Literal[
     "objective",
+    "field",
     "seeder",
     "labeler",
     "optimizer",

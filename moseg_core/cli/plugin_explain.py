@@ -14,6 +14,7 @@ from rich.text import Text
 
 from moseg_core.cli.console import console, print_json
 from moseg_core.components.discovery.registry import Component, registry
+from moseg_core.components.discovery.specs import FieldSpec, Spec
 from moseg_core.components.explanation import (
     Explained,
     bounds,
@@ -22,6 +23,7 @@ from moseg_core.components.explanation import (
     plain,
     span,
 )
+from moseg_core.components.objectives import Traits
 from moseg_core.errors import PluginError, UsageError, unknown
 from moseg_core.language import Target
 
@@ -126,9 +128,16 @@ def _facts(explained: Explained) -> dict[str, str]:
             "needs": ", ".join(sorted(traits.requires)) or "nothing but the parts",
             "unchanged by": ", ".join(sorted(traits.invariant_to)) or "nothing is declared",
             "cost": traits.cost,
+            **({"reads": fields} if (fields := _fields_of(traits)) else {}),
         }
         if traits.share is not None:
             facts["expects"] = "a share of the area, where its parameters tell which"
+    if isinstance(component.spec, FieldSpec):
+        facts = {
+            "needs": ", ".join(component.spec.requires) or "nothing but the elements",
+            "unchanged by": ", ".join(component.spec.invariant_to) or "nothing is declared",
+            "to see it": f"moseg field SHAPE {component.id} -o picture.png",
+        }
     suffixes = getattr(component.spec, "suffixes", ())
     if suffixes:
         facts["files"] = " ".join(suffixes)
@@ -174,13 +183,29 @@ def _document(explained: Explained) -> dict[str, Any]:
             "invariant_to": sorted(traits.invariant_to),
             "cost": traits.cost,
             "expects_share": traits.share is not None,
+            "fields": _fields_of(traits),
         },
+        **_of_field(component.spec),
     }
 
 
 def _plain(value: Any) -> Any:
     """The value of a parameter as JSON can say it: a target as it is written."""
     return str(value) if isinstance(value, Target) else value
+
+
+def _of_field(spec: Spec) -> dict[str, Any]:
+    """What a spec says of a field; nothing of another component."""
+    if not isinstance(spec, FieldSpec):
+        return {}
+    return {"requires": list(spec.requires), "invariant_to": list(spec.invariant_to)}
+
+
+def _fields_of(traits: Traits) -> str:
+    """Which fields an objective reads, in words; empty for none."""
+    if callable(traits.fields):
+        return "fields that depend on its parameters"
+    return ", ".join(traits.fields)
 
 
 def _finite(number: float) -> float | None:

@@ -173,7 +173,7 @@ def declared_parameters(
     if isinstance(target, type):
         function = getattr(target, "__init__")  # noqa: B009  # mypy
     elif not inspect.isroutine(target):
-        function = target.__call__  # an object with state of its own
+        function = getattr(target, "__call__")  # noqa: B004, B009  # an object; mypy
     try:
         hints = get_type_hints(function, include_extras=True)
         signature = inspect.signature(target)

@@ -136,6 +136,50 @@ def draw_legend(
     return top
 
 
+def draw_ramp(
+    draw: ImageDraw,
+    colors: npt.NDArray[np.uint8],
+    words: Sequence[str],
+    *,
+    size: tuple[int, int],
+    pad: int,
+) -> int:
+    """Draw a ramp of colours along the bottom of a picture, with words below it.
+
+    Parameters
+    ----------
+    draw : PIL.ImageDraw.ImageDraw
+    colors : (n, 3) uint8
+        From left to right.
+    words : sequence of str
+        What the left end is, what is in the middle, what the right end is.
+    size : (int, int), pixels
+        Width and height of the picture.
+    pad : int, pixels
+        Free space around it.
+
+    Returns
+    -------
+    int, pixels
+        Where the room above ends.
+    """
+    width, height = size
+    font = _font(max(13, height // 34))
+    line = _line_height(font) * 5 // 4
+    top = height - pad - 2 * line
+    left, right = pad, width - pad
+    for x in range(left, right):
+        red, green, blue = colors[(x - left) * len(colors) // (right - left)].tolist()
+        draw.line([(x, top), (x, top + line * 2 // 3)], fill=(red, green, blue))
+    room = (right - left) / max(1, len(words)) - pad
+    for k, word in enumerate(words):
+        text = _shortened(one_line(word), font, room)
+        share = k / max(1, len(words) - 1)
+        start = left + share * (right - left - font.getlength(text))
+        draw.text((start, top + line), text, fill=_DARK, font=font)
+    return top
+
+
 def one_line(text: str) -> str:
     r"""Text without line breaks and other characters that cannot be drawn.
 

@@ -149,6 +149,25 @@ def _sequence(n: int) -> npt.NDArray[np.uint8]:
     return sequence
 
 
+def from_oklab(places: FloatArray) -> npt.NDArray[np.uint8]:
+    """Oklab to sRGB of 0 to 255; what cannot be shown is cut off at 0 and 255.
+
+    Parameters
+    ----------
+    places : (n, 3) float
+        Lightness, green to red, blue to yellow.
+
+    Examples
+    --------
+    >>> from_oklab(np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 0.0]])).tolist()
+    [[255, 255, 255], [0, 0, 0]]
+    """
+    cones = (places @ np.linalg.inv(_TO_OKLAB).T) ** 3
+    light = np.clip(cones @ np.linalg.inv(_TO_CONES).T, 0.0, 1.0)
+    value = np.where(light <= 0.0031308, light * 12.92, 1.055 * light ** (1 / 2.4) - 0.055)
+    return np.rint(value * 255.0).astype(np.uint8)
+
+
 def _oklab(colors: npt.NDArray[np.uint8]) -> FloatArray:
     """(n, 3) sRGB values to Oklab: lightness, green to red, blue to yellow."""
     oklab: FloatArray = np.cbrt(linear_light(colors) @ _TO_CONES.T) @ _TO_OKLAB.T

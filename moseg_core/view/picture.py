@@ -19,6 +19,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Sequence
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -34,6 +35,9 @@ from moseg_core.view.normals import corner_normals
 from moseg_core.view.palette import linear_light, part_colors
 from moseg_core.view.raster import interpolate, rasterize
 
+if TYPE_CHECKING:
+    from PIL.ImageDraw import ImageDraw
+
 _SMALLEST, _LARGEST = (240, 160), (4000, 2000)
 
 # Samples per pixel and direction; fewer for pictures that would take gigabytes.
@@ -43,6 +47,14 @@ _SAMPLES, _FEWER_SAMPLES, _MANY_PIXELS = 3, 2, 2_000_000
 # Right, up and towards the viewer.
 _KEY_LIGHT = np.array([-0.50, 0.55, 0.67])
 _AMBIENT, _FROM_ABOVE, _DIFFUSE = 0.27, 0.12, 0.74
+
+
+class Legend(Protocol):
+    """Draws the words at the bottom of a picture."""
+
+    def __call__(self, draw: ImageDraw, /, *, size: tuple[int, int], pad: int) -> int:
+        """Where the room above ends, pixels from the top."""
+        ...
 
 
 def render_picture(
@@ -90,29 +102,71 @@ def render_picture(
     >>> render_picture(square, [0], ["all of it"])[1:4]
     b'PNG'
     """
+    label = checked_labels(mesh, labels, len(names)).astype(np.int64)
+    colors = part_colors(len(names))
+    entries = _legend(_triangle_areas(mesh) if areas is None else areas, label, names)
+
+    def legend(draw: ImageDraw, /, *, size: tuple[int, int], pad: int) -> int:
+        return draw_legend(draw, entries, colors, size=size, pad=pad)
+
+    return draw_two_sides(mesh, label, label, colors, legend=legend, title=title, size=size)
+
+
+def draw_two_sides(
+    mesh: Geometry,
+    labels: IntArray,
+    shades: IntArray,
+    colors: npt.NDArray[np.uint8],
+    *,
+    legend: Legend,
+    title: str,
+    size: tuple[int, int],
+) -> bytes:
+    """Draw a shape whose elements have colours from two sides, over a legend.
+
+    Parameters
+    ----------
+    mesh : Geometry
+    labels : (F,) int
+        Lines are drawn where they differ.
+    shades : (F,) int
+        The row of `colors` that each element has.
+    colors : (n, 3) uint8
+    legend : callable
+        Draws at the bottom; returns where the room above ends.
+    title : str
+    size : (int, int), pixels
+
+    Returns
+    -------
+    bytes
+        A PNG file.
+
+    Raises
+    ------
+    UsageError
+        A size below 240 x 160 or above 4000 x 2000 pixels.
+    """
     from PIL import Image, ImageDraw
 
-    label = checked_labels(mesh, labels, len(names)).astype(np.int64)
     width, height = (int(side) for side in size)
     if not (_SMALLEST[0] <= width <= _LARGEST[0] and _SMALLEST[1] <= height <= _LARGEST[1]):
         raise UsageError(
             f"a picture of {width} x {height} pixels cannot be drawn; allowed are"
             f" {_SMALLEST[0]} x {_SMALLEST[1]} to {_LARGEST[0]} x {_LARGEST[1]}"
         )
-    colors = part_colors(len(names))
     image = Image.new("RGB", (width, height), "white")
     draw = ImageDraw.Draw(image)
     pad = max(8, height // 35)
     top = draw_title(draw, title, size=(width, height), pad=pad)
-    entries = _legend(_triangle_areas(mesh) if areas is None else areas, label, names)
-    bottom = draw_legend(draw, entries, colors, size=(width, height), pad=pad)
+    bottom = legend(draw, size=(width, height), pad=pad)
 
-    normals = corner_normals(mesh, label)
+    normals = corner_normals(mesh, labels)
     samples = _SAMPLES if width * height <= _MANY_PIXELS else _FEWER_SAMPLES
     pane = width // 2, max(1, bottom - top)
     cameras = choose_cameras(mesh, width=pane[0] * samples, height=pane[1] * samples)
     for k, camera in enumerate(cameras):
-        view = _draw_view(mesh, label, normals, colors, camera, samples)
+        view = _draw_view(mesh, labels, shades, normals, colors, camera, samples)
         image.paste(Image.fromarray(view), (k * (width - pane[0]), top))
     buffer = io.BytesIO()
     image.save(buffer, format="PNG")
@@ -122,6 +176,7 @@ def render_picture(
 def _draw_view(
     mesh: Geometry,
     labels: IntArray,
+    shades: IntArray,
     normals: FloatArray,
     colors: npt.NDArray[np.uint8],
     camera: Camera,
@@ -136,8 +191,9 @@ def _draw_view(
     normal[facing > 0.0] *= -1.0
 
     shown = triangle >= 0
-    part = np.full(triangle.shape, -1, np.int32)
-    part[shown] = labels[mesh.triangle_polygon][triangle[shown]]
+    element = mesh.triangle_polygon[triangle[shown]]
+    part, shade = np.full((2, *triangle.shape), -1, np.int32)
+    part[shown], shade[shown] = labels[element], shades[element]
     light = _light(interpolate(triangle, seen, normal))
     light *= _hollows(depth, shown, samples)
     light *= _lines(part, depth, samples)
@@ -146,7 +202,7 @@ def _draw_view(
     light[~shown] = 1.0
     view = np.empty((camera.height // samples, camera.width // samples, 3))
     for channel in range(3):
-        shaded = palette[:, channel][part] * light
+        shaded = palette[:, channel][shade] * light
         blocks = shaded.reshape(view.shape[0], samples, view.shape[1], samples)
         view[:, :, channel] = blocks.mean(axis=(1, 3))
     return _srgb(view)

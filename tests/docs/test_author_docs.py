@@ -21,6 +21,7 @@ BLOCK = re.compile(r"^```python\n(.*?)^```", re.MULTILINE | re.DOTALL)
 #: For the page of each kind the component that it shows.
 SHOWN = {
     "objective": "round_section",
+    "field": "toward_the_rim",
     "seeder": "Spread",
     "labeler": "ByArea",
     "optimizer": "Shrinking",

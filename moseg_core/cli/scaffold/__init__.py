@@ -53,6 +53,11 @@ SKETCHES: Mapping[str, Sketch] = {
         summary="one part: some times as long as it is wide, or longer",
         use=(_SAMPLE, _HAMMER, "    --minimize 'slender(handle, ratio=6) + convex_parts'"),
     ),
+    "field": Sketch(
+        component="crowded",
+        summary="how much of the shape is near an element: much in the middle, little at tips",
+        use=(_SAMPLE, "moseg field hammer.ply 'crowded(reach=0.1)' -o crowded.png"),
+    ),
     "seeder": Sketch(
         component="scattered",
         summary="random elements, far from each other (greedy k-means++)",

@@ -15,6 +15,7 @@ the points, with normals where there are any, and of a voxel grid the middle of 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -71,21 +72,16 @@ def encode_ply(
     """
     label = checked_labels(mesh, labels, len(names)).astype(np.int64)
     color = checked_colors(colors, names)[label]
-    sizes = np.diff(mesh.offsets)
-    length = "uchar" if sizes.max() < 256 else "int"
     header = [
         *_beginning(names),
-        f"element vertex {len(mesh.vertices)}",
-        *(f"property double {axis}" for axis in "xyz"),
-        f"element face {mesh.n_polygons}",
-        f"property list {length} int vertex_indices",
-        *(f"property uchar {channel}" for channel in ("red", "green", "blue")),
+        *mesh_header(mesh),
         "property int label",
         *(() if source is None else ("property int source",)),
         "end_header\n",
     ]
     numbers = {"label": label} | ({} if source is None else {"source": source})
-    faces = _face_rows(mesh, sizes, color, numbers, "<u1" if length == "uchar" else "<i4")
+    whole = {name: column.astype("<i4") for name, column in numbers.items()}
+    faces = face_rows(mesh, color, whole)
     return "\n".join(header).encode() + mesh.vertices.astype("<f8").tobytes() + faces.tobytes()
 
 
@@ -145,19 +141,40 @@ def _beginning(names: Sequence[str]) -> list[str]:
     ]
 
 
-def _face_rows(
-    mesh: PolygonMesh,
-    sizes: npt.NDArray[np.int64],
-    color: npt.NDArray[np.uint8],
-    numbers: Mapping[str, npt.NDArray[np.int64]],
-    length: str,
+def mesh_header(mesh: PolygonMesh) -> list[str]:
+    """Header lines of vertices and faces, down to the colours of the faces."""
+    return [
+        f"element vertex {len(mesh.vertices)}",
+        *(f"property double {axis}" for axis in "xyz"),
+        f"element face {mesh.n_polygons}",
+        f"property list {'uchar' if _short(mesh) else 'int'} int vertex_indices",
+        *(f"property uchar {channel}" for channel in ("red", "green", "blue")),
+    ]
+
+
+def _short(mesh: PolygonMesh) -> bool:
+    """Whether a byte holds the number of corners of every polygon."""
+    return bool(np.diff(mesh.offsets).max() < 256)
+
+
+def face_rows(
+    mesh: PolygonMesh, color: npt.NDArray[np.uint8], numbers: Mapping[str, npt.NDArray[Any]]
 ) -> npt.NDArray[np.uint8]:
-    """Encode the rows of the element face; those of one size are made at once."""
+    """Encode the rows of the element face; those of one size are made at once.
+
+    Parameters
+    ----------
+    mesh : PolygonMesh
+    color : (F, 3) uint8
+    numbers : mapping of str to (F,) arrays
+        What follows the colour, little-endian.
+    """
+    sizes, length = np.diff(mesh.offsets), "<u1" if _short(mesh) else "<i4"
 
     def row(size: int) -> np.dtype[np.void]:
         return np.dtype(
             [("size", length), ("corners", "<i4", (size,)), ("color", "u1", 3)]
-            + [(name, "<i4") for name in numbers]
+            + [(name, column.dtype.str) for name, column in numbers.items()]
         )
 
     kinds = np.unique(sizes).tolist()

@@ -1,0 +1,68 @@
+"""``moseg field``: what a field says of a shape, in numbers, in colours and in files."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from rich.table import Table
+
+from moseg_core.cli.console import console, message, print_json
+from moseg_core.cli.flags import ShapeFlags
+from moseg_core.cli.reading import read_shape
+from moseg_core.components.chosen import Choice, prepare
+from moseg_core.components.discovery.registry import registry
+from moseg_core.components.field import FieldSummary, field_values
+from moseg_core.components.segmentation import Segmentation
+from moseg_core.errors import UsageError, unknown
+from moseg_core.io import write_file
+from moseg_core.io.files import check_destination
+from moseg_core.io.write.field_files import encode_field
+from moseg_core.view.field_picture import render_field
+
+FORMATS = (".png", ".ply", ".npy", ".csv")
+
+
+def run_field(
+    source: Path, call: str, *, reading: ShapeFlags, outputs: Sequence[Path], as_json: bool
+) -> None:
+    """Compute a field, print its mean and extremes, write what is asked for."""
+    for path in outputs:
+        if path.suffix.lower() not in FORMATS:
+            asked = unknown("suffix", path.suffix, FORMATS) if path.suffix else "no suffix"
+            raise UsageError(f"a field is written as {', '.join(FORMATS)}: {asked}, in '{path}'")
+        check_destination(path)
+        if path.exists() and source.exists() and path.samefile(source):
+            raise UsageError(f"'{path}' is the shape itself; write the field to another file")
+    chosen = prepare(Choice.read(call, "field"), "field", registry())
+    name, parameters = chosen.component.id, chosen.parameters
+    shape = read_shape(source, reading)
+    values = field_values(shape, name, **parameters)
+    whole = Segmentation.from_labels(shape, np.zeros(shape.n_elements, np.int32), 1)
+    summary = whole.parts[0].field(name, **parameters)
+    title = str(Choice(name, parameters))
+    for path in outputs:
+        format = path.suffix.lower()
+        if format == ".png":
+            data = render_field(
+                shape.geometry, values, title=f"{title} on {shape.name}", mean=summary.mean
+            )
+        else:
+            data = encode_field(shape, values, format.removeprefix("."))
+        write_file(path, data)
+        message(f"wrote {path}")
+    if as_json:
+        print_json({"field": title, "elements": shape.n_elements, **summary._asdict()})
+    else:
+        console(sys.stdout).print(_table(title, shape.n_elements, shape.noun, summary))
+
+
+def _table(title: str, count: int, noun: str, summary: FieldSummary) -> Table:
+    table = Table(title=f"{title}: {count} {noun}s", box=None, pad_edge=False, title_justify="left")
+    shown = ("least", "mean", "greatest", "spread")
+    for name in shown:
+        table.add_column(name, justify="right")
+    table.add_row(*(f"{getattr(summary, name):.6g}" for name in shown))
+    return table

@@ -1,0 +1,78 @@
+"""The picture of a field: each element in the colour of its value, over a ramp that says which.
+
+As the picture of a segmentation (:mod:`moseg_core.view.picture`), without lines between parts. The
+ramp (:mod:`moseg_core.view.ramp`) goes from the least value to the greatest; light and shade are
+laid over it, so that a value is read off a place that faces the light.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from moseg_core.errors import ShapeError
+from moseg_core.shape.geometry import Geometry
+from moseg_core.view.legend import draw_ramp
+from moseg_core.view.picture import draw_two_sides
+from moseg_core.view.ramp import ramp, shades
+
+if TYPE_CHECKING:
+    from PIL.ImageDraw import ImageDraw
+
+
+def render_field(
+    mesh: Geometry,
+    values: npt.ArrayLike,
+    *,
+    title: str = "",
+    mean: float | None = None,
+    size: tuple[int, int] = (1400, 700),
+) -> bytes:
+    """Draw a shape from two sides, coloured by a number of each element.
+
+    Parameters
+    ----------
+    mesh : Geometry
+    values : (F,) array_like of float
+        Finite.
+    title : str
+    mean : float, optional
+        Named in the legend, between the least and the greatest value.
+    size : (int, int), pixels
+
+    Returns
+    -------
+    bytes
+        A PNG file.
+
+    Raises
+    ------
+    ShapeError
+        Not one finite number per element.
+    UsageError
+        A size below 240 x 160 or above 4000 x 2000 pixels.
+
+    Examples
+    --------
+    >>> from moseg_core.shape.mesh import PolygonMesh
+    >>> square = PolygonMesh.from_faces([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]],
+    ...                                 [[0, 1, 2, 3]])
+    >>> render_field(square, [0.5])[1:4]
+    b'PNG'
+    """
+    array = np.asarray(values, np.float64)
+    if array.shape != (mesh.n_elements,) or not np.isfinite(array).all():
+        raise ShapeError(
+            f"a field has a finite number for each of {mesh.n_elements} elements; given is an"
+            f" array of the shape {array.shape}"
+        )
+    middle = [] if mean is None else [f"mean {mean:.4g}"]
+    words = [f"least {array.min():.4g}", *middle, f"greatest {array.max():.4g}"]
+
+    def legend(draw: ImageDraw, /, *, size: tuple[int, int], pad: int) -> int:
+        return draw_ramp(draw, ramp(), words, size=size, pad=pad)
+
+    same = np.zeros(mesh.n_elements, np.int64)
+    return draw_two_sides(mesh, same, shades(array), ramp(), legend=legend, title=title, size=size)
