@@ -16,6 +16,7 @@ from moseg_core.errors import ShapeError
 from moseg_core.shape.geometry import Geometry
 from moseg_core.view.legend import draw_ramp
 from moseg_core.view.picture import draw_two_sides
+from moseg_core.view.point_bodies import drawable
 from moseg_core.view.ramp import ramp, shades
 
 if TYPE_CHECKING:
@@ -35,11 +36,12 @@ def render_field(
     Parameters
     ----------
     mesh : Geometry
+        Points are drawn as small bodies (:mod:`moseg_core.view.point_bodies`).
     values : (F,) array_like of float
         Finite.
     title : str
     mean : float, optional
-        Named in the legend, between the least and the greatest value.
+        Marked in the legend, between the least and the greatest value.
     size : (int, int), pixels
 
     Returns
@@ -68,11 +70,15 @@ def render_field(
             f"a field has a finite number for each of {mesh.n_elements} elements; given is an"
             f" array of the shape {array.shape}"
         )
-    middle = [] if mean is None else [f"mean {mean:.4g}"]
-    words = [f"least {array.min():.4g}", *middle, f"greatest {array.max():.4g}"]
+    low, high = float(array.min()), float(array.max())
+    share = 0.5 if mean is None or not high > low else (mean - low) / (high - low)
+    middle = None if mean is None else (share, f"mean {mean:.4g}")
+    ends = f"least {low:.4g}", f"greatest {high:.4g}"
 
     def legend(draw: ImageDraw, /, *, size: tuple[int, int], pad: int) -> int:
-        return draw_ramp(draw, ramp(), words, size=size, pad=pad)
+        return draw_ramp(draw, ramp(), *ends, middle=middle, size=size, pad=pad)
 
     same = np.zeros(mesh.n_elements, np.int64)
-    return draw_two_sides(mesh, same, shades(array), ramp(), legend=legend, title=title, size=size)
+    return draw_two_sides(
+        drawable(mesh), same, shades(array), ramp(), legend=legend, title=title, size=size
+    )

@@ -139,8 +139,10 @@ def draw_legend(
 def draw_ramp(
     draw: ImageDraw,
     colors: npt.NDArray[np.uint8],
-    words: Sequence[str],
+    least: str,
+    greatest: str,
     *,
+    middle: tuple[float, str] | None = None,
     size: tuple[int, int],
     pad: int,
 ) -> int:
@@ -151,8 +153,10 @@ def draw_ramp(
     draw : PIL.ImageDraw.ImageDraw
     colors : (n, 3) uint8
         From left to right.
-    words : sequence of str
-        What the left end is, what is in the middle, what the right end is.
+    least, greatest : str
+        What the left and the right end are.
+    middle : (float, str), optional
+        Where something is between them, 0 to 1, and what; it gets a mark.
     size : (int, int), pixels
         Width and height of the picture.
     pad : int, pixels
@@ -171,11 +175,18 @@ def draw_ramp(
     for x in range(left, right):
         red, green, blue = colors[(x - left) * len(colors) // (right - left)].tolist()
         draw.line([(x, top), (x, top + line * 2 // 3)], fill=(red, green, blue))
-    room = (right - left) / max(1, len(words)) - pad
-    for k, word in enumerate(words):
-        text = _shortened(one_line(word), font, room)
-        share = k / max(1, len(words) - 1)
-        start = left + share * (right - left - font.getlength(text))
+    room = (right - left) / 3 - pad
+    words = [_shortened(one_line(text), font, room) for text in (least, greatest)]
+    lengths = [font.getlength(text) for text in words]
+    draw.text((left, top + line), words[0], fill=_DARK, font=font)
+    draw.text((right - lengths[1], top + line), words[1], fill=_DARK, font=font)
+    if middle is not None:
+        place = left + middle[0] * (right - left - 2)
+        draw.line([(place, top), (place, top + line * 2 // 3)], fill=_DARK, width=2)
+        text = _shortened(one_line(middle[1]), font, room)
+        length = font.getlength(text)
+        start = max(left + lengths[0] + pad, place - length / 2)
+        start = min(start, right - lengths[1] - pad - length)
         draw.text((start, top + line), text, fill=_DARK, font=font)
     return top
 

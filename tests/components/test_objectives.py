@@ -115,6 +115,24 @@ def test_a_share_is_a_number_above_0_and_at_most_1(share):
         Traits(arity="unary", share=share_of).expected_share({"share": share})
 
 
+def test_fields_are_a_tuple_or_a_function_of_the_parameters():
+    def named(parameters):
+        return (f"basic:{parameters['what']}",)
+
+    @objective(fields=["basic:thickness", "basic:height"])
+    def listed(part: Part) -> float:
+        return 0.0
+
+    @objective(fields=named)
+    def by_parameter(part: Part, *, what: str = "height") -> float:
+        return 0.0
+
+    assert one.traits.fields == ()
+    assert listed.traits.fields == ("basic:thickness", "basic:height")
+    assert by_parameter.traits.fields is named
+    assert Traits(arity="unary").fields == ()
+
+
 def test_cost_classes_are_in_order():
     assert COST_ORDER["cheap"] < COST_ORDER["moderate"] < COST_ORDER["expensive"]
 

@@ -109,6 +109,14 @@ def test_a_class_without_a_constructor_has_no_parameters():
     assert declared_parameters(Nothing) == ()
 
 
+def test_an_object_declares_where_it_is_called():
+    class Sized:
+        def __call__(self, part, *, most: Annotated[int, Interval(1)] = 3): ...
+
+    (found,) = declared_parameters(Sized())
+    assert (found.name, found.type, found.default) == ("most", int, 3)
+
+
 def test_a_wrapped_function_declares_what_it_wraps():
     @functools.wraps(everything)
     def wrapper(*arguments, **parameters):

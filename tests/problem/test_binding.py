@@ -544,3 +544,45 @@ def matches(pattern: str, label: str) -> bool:
     if pattern[0] == "*":
         return any(matches(pattern[1:], label[k:]) for k in range(len(label) + 1))
     return label[:1] == pattern[0] and matches(pattern[1:], label[1:])
+
+
+def reading(fields):
+    @objective(fields=fields)
+    def read(part: Part, *, what: str = "height") -> float:
+        return 0.0
+
+    return read
+
+
+def term_that_reads(fields, text="read(head)"):
+    (term,) = bind(parse(text), LABELS, {"read": reading(fields)}, Registry(()))
+    return term
+
+
+def test_a_term_says_which_fields_it_reads():
+    assert term_that_reads(()).fields == ()
+    assert term_that_reads(["basic:height", "basic:thickness"]).fields == (
+        "basic:height",
+        "basic:thickness",
+    )
+
+
+def test_fields_may_depend_on_the_parameters_of_the_call():
+    def named(parameters):
+        return [f"basic:{parameters.get('what', 'height')}"]
+
+    assert term_that_reads(named).fields == ("basic:height",)
+    assert term_that_reads(named, "read(head, what=thickness)").fields == ("basic:thickness",)
+
+
+@pytest.mark.parametrize(
+    ("names", "says"),
+    [
+        (lambda parameters: parameters["where"], "failed to name its fields: KeyError"),
+        (lambda parameters: "basic:height", "in a tuple, not 'basic:height'"),
+        (lambda parameters: [1], r"in a tuple, not \[1\]"),
+    ],
+)
+def test_an_objective_that_cannot_name_its_fields_is_blamed(names, says):
+    with pytest.raises(PluginError, match=f"objective 'python:read' of .*{says}"):
+        _ = term_that_reads(names).fields

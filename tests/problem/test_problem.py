@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import json
+import textwrap
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Annotated
@@ -485,3 +486,71 @@ def test_the_command_line_ends_with_3_before_it_searches(tmp_path, capsys):
     assert "'convex_parts' needs an enclosed volume" in err
     assert "it is open (4 boundary edges)" in err
     assert "Traceback" not in err
+
+
+# -- Fields -----------------------------------------------------------------------------------
+
+
+@objective(fields=("fine:height",))
+def high(part: Part) -> float:
+    return part.field("fine:height").mean
+
+
+@objective(fields=lambda parameters: ("fine:height", f"fine:{parameters.get('of', 'girth')}"))
+def wide(part: Part, *, of: str = "girth") -> float:
+    return part.field(f"fine:{of}").mean
+
+
+@pytest.fixture
+def with_fields(site):
+    """A registry of two fields, of which one requires a volume."""
+    bundle = """
+        from moseg_core import FieldSpec, hookimpl
+
+        @hookimpl
+        def moseg_fields():
+            return [
+                FieldSpec(name="height", target="fine_fields:height"),
+                FieldSpec(name="girth", target="fine_fields:girth", requires=("volume",)),
+            ]
+    """
+    functions = """
+        def height(shape):
+            return shape.points[:, 2]
+
+        def girth(shape):
+            return shape.areas / shape.volume
+    """
+    site.add("Fine", "1.0", bundles={"fine": "fine_bundle"}, fine_bundle=bundle)
+    (site.folder / "fine_fields.py").write_text(textwrap.dedent(functions))
+    return site.discover()
+
+
+def with_terms(text, registry):
+    return Problem(["a", "b"], text, objectives={"high": high, "wide": wide}, registry=registry)
+
+
+def test_a_problem_names_each_field_once(with_fields):
+    assert with_terms("high(a) + high(b)", with_fields).fields == ("fine:height",)
+    assert with_terms("high(a) + wide(b)", with_fields).fields == ("fine:height", "fine:girth")
+    assert with_terms("wide(b, of=height)", with_fields).fields == ("fine:height",)
+    assert Problem(["a"], "size(a)", objectives={"size": size}, registry=NONE).fields == ()
+
+
+def test_a_shape_that_lacks_what_a_field_requires_is_refused_by_the_term(with_fields):
+    flat = Shape.from_mesh([[0, 0, 0], [1, 0, 0], [1, 1, 2], [0, 1, 2]], [[0, 1, 2], [0, 2, 3]])
+    problem = with_terms("high(a) + wide(b)", with_fields)
+    with pytest.raises(ShapeError, match="'wide' needs an enclosed volume"):
+        problem.check(flat)
+    with pytest.raises(ShapeError, match="'wide' needs an enclosed volume"):
+        problem.evaluate(flat, [0, 1])
+    allowed = with_terms("high(a) + wide(b, of=height)", with_fields)
+    heights = flat.points[:, 2]
+    assert allowed.evaluate(flat, [0, 1]).cost.value == pytest.approx(heights.sum())
+
+
+def test_a_field_that_nobody_has_is_named_with_the_nearest(with_fields):
+    flat = Shape.from_mesh([[0, 0, 0], [1, 0, 0], [1, 1, 2], [0, 1, 2]], [[0, 1, 2], [0, 2, 3]])
+    problem = with_terms("wide(b, of=hight)", with_fields)
+    with pytest.raises(UsageError, match="unknown field 'fine:hight'; did you mean 'fine:height'"):
+        problem.check(flat)

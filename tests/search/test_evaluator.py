@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import sys
 import types
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,12 +15,12 @@ from hypothesis import strategies as st
 from moseg_core.builtin.voronoi import Voronoi
 from moseg_core.components.cost import Cost
 from moseg_core.components.discovery.registry import Bundle, Component, Registry
-from moseg_core.components.discovery.specs import MeasureSpec, ObjectiveSpec
+from moseg_core.components.discovery.specs import FieldSpec, MeasureSpec, ObjectiveSpec
 from moseg_core.components.memo import Memo
 from moseg_core.components.objectives import objective
 from moseg_core.components.part import Part
 from moseg_core.components.protocols import Batch, Centers
-from moseg_core.errors import ShapeError
+from moseg_core.errors import PluginError, ShapeError
 from moseg_core.problem.problem import Problem
 from moseg_core.search.evaluator import ProblemEvaluator
 from moseg_core.shape.pins import Pins
@@ -272,3 +273,48 @@ def test_measures_come_from_the_registry_of_the_problem(monkeypatch):
     # In the search, and for a labelling from elsewhere.
     assert evaluator_of(problem, GROWING).evaluate(np.array([4.0])).cost.value == 4.0
     assert problem.evaluate(STRIP, GROWING[4]).cost.value == 4.0
+
+
+def registry_of_a_field(monkeypatch, function):
+    module = types.ModuleType("heights")
+    module.along = function
+    monkeypatch.setitem(sys.modules, "heights", module)
+    spec = FieldSpec(name="along", target="heights:along")
+    component = Component("mine", "mine 1.0", spec)
+    return Registry([Bundle("mine", "mine", "1.0", "heights", (component,))])
+
+
+@objective(fields=("mine:along",))
+def far(part: Part) -> float:
+    return part.field("mine:along").mean
+
+
+def test_declared_fields_are_computed_once_and_before_the_search(monkeypatch):
+    computed = []
+
+    def along(shape):
+        computed.append(shape.n_elements)
+        return shape.points[:, 0]
+
+    registry = registry_of_a_field(monkeypatch, along)
+    problem = Problem(["a", "b"], "far(a) - far(b)", objectives={"far": far}, registry=registry)
+    shape = replace(STRIP, name="a strip of its own")
+    evaluator = ProblemEvaluator(shape, problem, Voronoi(shape, 2))
+    assert computed == [STRIP.n_elements]
+    at = Centers(positions=shape.points[[7, 0]], weights=np.array([3.0, 1.0]))
+    vector = evaluator.parameterization.encode(at)
+    labels = evaluator.labels(vector)
+    means = [shape.points[labels == k, 0].mean() for k in (0, 1)]
+    assert evaluator.evaluate(vector).cost.value == pytest.approx(means[0] - means[1])
+    assert computed == [STRIP.n_elements]
+
+
+def test_a_field_that_fails_is_known_before_the_search(monkeypatch):
+    def along(shape):
+        raise ZeroDivisionError("no length")
+
+    registry = registry_of_a_field(monkeypatch, along)
+    problem = Problem(["a", "b"], "far(a)", objectives={"far": far}, registry=registry)
+    shape = replace(STRIP, name="a strip of its own")
+    with pytest.raises(PluginError, match=r"field 'mine:along' of mine 1\.0 failed.*no length"):
+        ProblemEvaluator(shape, problem, Voronoi(shape, 2))

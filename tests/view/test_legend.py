@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from PIL import Image, ImageDraw
 
-from moseg_core.view.legend import LegendEntry, draw_legend, draw_title
+from moseg_core.view.legend import LegendEntry, draw_legend, draw_ramp, draw_title
 from moseg_core.view.palette import part_colors
+from moseg_core.view.ramp import ramp
 
 
 def drawn(size, paint):
@@ -98,3 +99,30 @@ def test_legend_draws_any_name():
     )
     assert top > 150
     assert all((pixels == color).all(axis=2).any() for color in part_colors(5))
+
+
+@pytest.mark.parametrize("share", [0.0, 0.3, 1.0])
+def test_a_ramp_goes_from_left_to_right_with_a_mark_in_its_place(share):
+    size, words = (600, 300), ("least 1", "greatest 2")
+
+    def paint(draw):
+        return draw_ramp(draw, ramp(), *words, middle=(share, "mean"), size=size, pad=10)
+
+    pixels, top = drawn(size, paint)
+    band = pixels[top + 2, 10:590]
+    (marked,) = np.nonzero((band == 34).all(axis=1))
+    assert marked == pytest.approx(share * 578, abs=2)
+    if share == 0.3:
+        assert band[0].tolist() == ramp()[0].tolist()
+        assert band[-1].tolist() == ramp()[-1].tolist()
+    text = (pixels[(top + 290) // 2 :] < 128).any(axis=(0, 2))
+    gaps = np.diff(np.flatnonzero(text))
+    assert (gaps > 8).sum() >= 2  # three words that do not touch
+
+
+def test_a_ramp_without_a_mean():
+    pixels, top = drawn(
+        (600, 300), lambda d: draw_ramp(d, ramp(), "a", "b", size=(600, 300), pad=9)
+    )
+    assert (pixels[:top] == 255).all()
+    assert not (pixels[top + 2, 9:591] == 34).all(axis=1).any()
