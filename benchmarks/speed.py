@@ -1,4 +1,4 @@
-"""How fast the inner loop is: the flood kernel, an evaluation of the horse, with and without memo.
+"""How fast the inner loop is: the flood, an evaluation of the horse, fields and boundaries.
 
     python benchmarks/speed.py [MESH]
 
@@ -12,6 +12,7 @@ import statistics
 import sys
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +21,8 @@ import moseg_core as moseg
 from moseg_core.builtin.flood import flood_labels
 from moseg_core.builtin.kmeans import KMeans
 from moseg_core.builtin.voronoi import Voronoi
+from moseg_core.components.discovery.lookup import Lookup
+from moseg_core.components.field import field_sums, link_values
 from moseg_core.components.memo import Memo
 from moseg_core.components.protocols import Batch, Centers
 from moseg_core.problem.aggregate import evaluate_segmentation
@@ -110,12 +113,93 @@ def evaluation_table(shape: moseg.Shape) -> None:
         print(f"  {name:40s}{total / size:8.2f}   1 : {slowest / total:.1f}")
 
 
+def height(shape: moseg.Shape) -> np.ndarray:
+    """A field that costs next to nothing, so that what is done with it is what takes time."""
+    return shape.points[:, 2]
+
+
+FIELDS = moseg.Registry(
+    [
+        moseg.Bundle(
+            *("here", "here", "0", __name__),
+            (
+                moseg.Component(
+                    "here", "here 0", moseg.FieldSpec(name="height", target=f"{__name__}:height")
+                ),
+            ),
+        )
+    ]
+)
+
+
+def field_table(shape: moseg.Shape, n: int = 11) -> None:
+    """What a part pays for a field and for its boundary, on a coarse shape of 2000 elements."""
+    coarse = moseg.coarsen(shape, 2000)
+    lookup, rng = Lookup(FIELDS), np.random.default_rng(0)
+    voronoi = Voronoi(coarse, n)
+    vectors = [
+        voronoi.encode(
+            Centers(
+                positions=coarse.points[rng.choice(coarse.n_elements, n, replace=False)],
+                weights=np.ones(n),
+            )
+        )
+        for _ in range(300)
+    ]
+    labels = voronoi.labels(np.array(vectors))
+
+    def ask(question: Callable[[moseg.Part], object]) -> float:
+        """Microseconds per part for what is asked first of a new segmentation."""
+        times = []
+        for row in labels:
+            made = moseg.Segmentation.from_labels(coarse, row, n, lookup=lookup)
+            parts = [made.parts[k] for k in range(n) if made.summary.moments[k, 0] > 0]
+            start = time.perf_counter()
+            for part in parts:
+                question(part)
+            times.append((time.perf_counter() - start) / len(parts))
+        return 1e6 * statistics.median(times)
+
+    def once(level: moseg.Shape, compute: Callable[[moseg.Shape], object]) -> float:
+        """Milliseconds for what is computed once per shape, on a new one each time."""
+        times = []
+        for _ in range(5):
+            fresh = replace(level)
+            start = time.perf_counter()
+            compute(fresh)
+            times.append(time.perf_counter() - start)
+        return 1e3 * statistics.median(times)
+
+    rows = {
+        "part.field(name).mean": ask(lambda part: part.field("here:height").mean),
+        "part.boundary.length": ask(lambda part: part.boundary.length),
+        "part.boundary.mean(name)": ask(lambda part: part.boundary.mean("here:height")),
+    }
+    print(f"\n{n} parts on {coarse.n_elements} super-elements, microseconds a part, all asked")
+    for name, each in rows.items():
+        print(f"  {name:40s}{each:8.2f}")
+    found = lookup.field("here:height")
+    fine = once(shape, lambda fresh: fresh.links)
+    once_only = {
+        f"links of {shape.n_elements} elements": fine,
+        "links of the super-elements, from those": once(coarse, lambda fresh: fresh.links),
+        "sums of a field over super-elements": once(
+            coarse, lambda fresh: field_sums(fresh, found, {})
+        ),
+        "a field along the links": once(coarse, lambda fresh: link_values(fresh, found, {})),
+    }
+    print("\nonce per shape, ms")
+    for name, each in once_only.items():
+        print(f"  {name:40s}{each:8.2f}")
+
+
 def main() -> None:
-    """Print both tables."""
+    """Print all tables."""
     path = Path(sys.argv[1]) if len(sys.argv) > 1 else moseg.sample_path("horse")
     shape = moseg.load(path)
     flood_table(shape)
     evaluation_table(shape)
+    field_table(shape)
 
 
 if __name__ == "__main__":
