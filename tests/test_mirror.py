@@ -27,7 +27,6 @@ MIRRORED = {
 ELSEWHERE = {
     "moseg_core/__main__.py": "three lines: every test that runs `python -m moseg_core`",
     "moseg_core/cli/plugin_app.py": "declares commands, each with a file: test_plugin_new.py, ...",
-    "moseg_core/components/protocols.py": "declarations, to which the kit holds every component",
     "moseg_core/view/scene.py": "plain records, drawn by test_svg.py and test_png.py",
 }
 

@@ -256,3 +256,16 @@ def test_a_recipe_means_its_own_objectives_beside_others_of_the_same_name():
     )
     problem = Problem(beside.labels, beside.minimize, registry=crowded)
     assert problem.terms[0].id == "basic:narrow"
+
+
+def test_a_recipe_may_give_a_label_several_centres():
+    text = """
+        labels = ["head", "body"]
+        minimize = "thin(head)"
+        parameterization = 'voronoi(centers="body=3")'
+    """
+    recipe = parse_recipe(text, "mine")
+    chosen = recipe.statement.search.parameterization
+    assert chosen == Choice("voronoi", {"centers": "body=3"})
+    again = parse_recipe(recipe.toml(), "mine")
+    assert again.statement.search.parameterization.parameters == {"centers": "body=3"}
