@@ -336,7 +336,7 @@ def test_who_takes_labels_is_told_them():
         def __init__(self, shape, n_parts):
             super().__init__(shape, n_parts)
 
-    @objective(range=(0, 1), share=lambda: 0.4)
+    @objective(range=(0, 1), share=lambda given: 0.4)
     def big(part: Part) -> float:
         return part.area
 
