@@ -18,7 +18,7 @@ BUNDLE = """
     @hookimpl
     def moseg_fields():
         return [
-            FieldSpec(name="height", target="given_fields:height", summary="how high"),
+            FieldSpec(name="altitude", target="given_fields:altitude", summary="how high"),
             FieldSpec(name="girth", target="given_fields:girth", requires=("volume",)),
         ]
 """
@@ -26,7 +26,7 @@ FIELDS = """
     from typing import Annotated
     from moseg_core import Interval
 
-    def height(shape, *, factor: Annotated[float, Interval(0, 9)] = 1.0):
+    def altitude(shape, *, factor: Annotated[float, Interval(0, 9)] = 1.0):
         return factor * shape.points[:, 2]
 
     def girth(shape):
@@ -46,21 +46,21 @@ def fields(site):
 def test_prints_the_mean_and_the_extremes(moseg, fields, mallet):
     shape = moseg_core.load(mallet)
     height = 2.0 * shape.points[:, 2]
-    run = moseg("field", mallet, "height(factor=2)", "--json")
+    run = moseg("field", mallet, "altitude(factor=2)", "--json")
     assert run.code == 0, run.err
     told = json.loads(run.out)
-    assert (told["field"], told["elements"]) == ("given:height(factor=2)", shape.n_elements)
+    assert (told["field"], told["elements"]) == ("given:altitude(factor=2)", shape.n_elements)
     assert told["least"] == height.min()
     assert told["greatest"] == height.max()
     assert told["mean"] == pytest.approx(height @ shape.areas / shape.area)
-    table = moseg("field", mallet, "given:height").out.split()
-    assert table[:2] == ["given:height:", str(shape.n_elements)]
+    table = moseg("field", mallet, "given:altitude").out.split()
+    assert table[:2] == ["given:altitude:", str(shape.n_elements)]
     assert f"{shape.points[:, 2].max():.6g}" in table
 
 
 def test_writes_what_is_asked_for(moseg, fields, mallet, tmp_path):
     paths = [tmp_path / f"h.{suffix}" for suffix in ("png", "npy", "csv", "ply")]
-    run = moseg("field", mallet, "height", *(word for path in paths for word in ("-o", path)))
+    run = moseg("field", mallet, "altitude", *(word for path in paths for word in ("-o", path)))
     assert run.code == 0, run.err
     assert [f"wrote {path}" in run.err for path in paths] == [True] * 4
     shape = moseg_core.load(mallet)
@@ -75,35 +75,35 @@ def test_a_field_of_a_cloud_has_a_picture_too(moseg, fields, tmp_path):
     points = np.random.default_rng(0).uniform(-1, 1, (60, 3))
     cloud = tmp_path / "cloud.xyz"
     cloud.write_text("".join(f"{x} {y} {z}\n" for x, y, z in points))
-    run = moseg("field", cloud, "height", "-o", tmp_path / "c.png", "-o", tmp_path / "c.ply")
+    run = moseg("field", cloud, "altitude", "-o", tmp_path / "c.png", "-o", tmp_path / "c.ply")
     assert run.code == 0, run.err
     assert moseg_core.load(tmp_path / "c.ply").n_elements == 60
 
 
 def test_says_what_it_cannot_do(moseg, fields, mallet, open_box, tmp_path):
     for code, words, says in [
-        (2, (mallet, "hieght"), "unknown field 'hieght'; did you mean 'height'?"),
-        (2, (mallet, "height(factr=2)"), "unknown parameter 'factr'; did you mean 'factor'?"),
-        (2, (mallet, "height(factor=10)"), "allowed is 0 to 9"),
-        (2, (mallet, "height("), "height("),
-        (2, (mallet, "height", "-o", tmp_path / "x.npz"), "did you mean '.npy'?"),
-        (2, (mallet, "height", "-o", tmp_path / "x"), "written as .png, .ply, .npy, .csv"),
-        (2, (mallet, "height", "-o", tmp_path / "no" / "x.png"), "there is no folder"),
+        (2, (mallet, "altitud"), "unknown field 'altitud'; did you mean 'altitude'?"),
+        (2, (mallet, "altitude(factr=2)"), "unknown parameter 'factr'; did you mean 'factor'?"),
+        (2, (mallet, "altitude(factor=10)"), "allowed is 0 to 9"),
+        (2, (mallet, "altitude("), "altitude("),
+        (2, (mallet, "altitude", "-o", tmp_path / "x.npz"), "did you mean '.npy'?"),
+        (2, (mallet, "altitude", "-o", tmp_path / "x"), "written as .png, .ply, .npy, .csv"),
+        (2, (mallet, "altitude", "-o", tmp_path / "no" / "x.png"), "there is no folder"),
         (3, (open_box, "girth"), "field 'given:girth' needs an enclosed volume"),
     ]:
         run = moseg("field", *words)
         assert run.code == code, (words, run.err)
         assert says in run.err
     copy = tmp_path / "copy.ply"
-    assert moseg("field", mallet, "height", "-o", copy).code == 0
+    assert moseg("field", mallet, "altitude", "-o", copy).code == 0
     before = copy.read_bytes()
-    run = moseg("field", copy, "height", "-o", copy)
+    run = moseg("field", copy, "altitude", "-o", copy)
     assert (run.code, "is the shape itself" in run.err) == (2, True)
     assert copy.read_bytes() == before
 
 
 def test_a_field_is_listed_and_explained(moseg, fields):
-    assert "given:height" in moseg("plugin", "list").out
+    assert "given:altitude" in moseg("plugin", "list").out
     text = " ".join(moseg("plugin", "explain", "given:girth").out.split())
     assert "needs volume" in text
     assert "moseg field SHAPE given:girth" in text
