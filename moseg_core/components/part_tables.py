@@ -15,7 +15,7 @@ import numpy as np
 
 from moseg_core.components.boundary import Boundaries, Boundary
 from moseg_core.components.discovery.lookup import Lookup
-from moseg_core.components.field import FieldSummary, field_key, field_sums, link_values
+from moseg_core.components.field import FieldSummary, field_sums, link_values
 from moseg_core.errors import MosegError
 from moseg_core.shape.shape import Shape
 from moseg_core.types import FloatArray, Int32Array, frozen
@@ -114,11 +114,11 @@ class PartTables:
 
     def _integrals(self, name: str, parameters: dict[str, Any]) -> tuple[FloatArray, FloatArray]:
         """Of a field along boundaries: (n,) of each part, (n, n) of each two."""
-        found = self._lookup.field(name)
-        key = field_key(found, parameters)
-        if key not in self._along:
-            self._along[key] = self._summed(link_values(self._level, found, parameters))
-        return self._along[key]
+        asked = (name, *parameters.items())
+        if asked not in self._along:
+            found = self._lookup.field(name)
+            self._along[asked] = self._summed(link_values(self._level, found, parameters))
+        return self._along[asked]
 
     def _summed(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
         from moseg_core.shape.boundary_sums import sum_boundaries

@@ -20,6 +20,7 @@ from __future__ import annotations
 import math
 import sys
 from dataclasses import dataclass
+from functools import cached_property
 
 from moseg_core.errors import UsageError
 from moseg_core.language.tokens import format_number
@@ -138,12 +139,21 @@ class Target:
             )
         off = _LEAST_LOG_RATIO
         if not value <= 0:  # NaN goes on, and comes out
-            off = max(math.log(value) - math.log(self.value), off)
+            off = max(math.log(value) - self._log_value, off)
+        return _huber(off / self._log_spread)
+
+    @cached_property
+    def _log_value(self) -> float:
+        return math.log(self.value)
+
+    @cached_property
+    def _log_spread(self) -> float:
         # A spread that is next to nothing beside the value has a logarithm of 0.
-        unit = math.log1p(self.spread / self.value) or sys.float_info.min
-        return _huber(off / unit)
+        return math.log1p(self.spread / self.value) or sys.float_info.min
 
 
 def _huber(z: float) -> float:
-    size = min(abs(z), _MOST)
-    return size * size if size <= _BEND else 2.0 * _BEND * size - _BEND * _BEND
+    size = abs(z)
+    if size <= _BEND:
+        return size * size
+    return 2.0 * _BEND * min(size, _MOST) - _BEND * _BEND

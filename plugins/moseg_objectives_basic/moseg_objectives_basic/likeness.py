@@ -13,8 +13,9 @@ and spread of each measure.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
-from typing import Annotated, Any, NamedTuple, TypeAlias
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from typing import Annotated, Any, TypeAlias
 
 from moseg_core import Interval, Part, Target, objective
 
@@ -24,8 +25,23 @@ _EXTENT = math.sqrt(12.0)
 """From the standard deviation along an axis to the length of a rod, or the diameter of a ball."""
 
 
-def _extent(k: int) -> Callable[[Part], float]:
-    return lambda part: _EXTENT * float(part.scales[k]) / part.shape.box_diagonal
+@dataclass(frozen=True, kw_only=True)
+class _Measures:
+    """Measures that are taken together.
+
+    Parameters
+    ----------
+    take : callable
+        From a part to their values.
+    names : dict of str to bool
+        Of each its name, and whether ratios count.
+    field : str, optional
+        The field that they read.
+    """
+
+    take: Callable[[Part], Iterable[float]]
+    names: dict[str, bool]
+    field: str | None = None
 
 
 def _size(part: Part) -> float:
@@ -33,52 +49,54 @@ def _size(part: Part) -> float:
     return math.cbrt(part.area) if part.shape.solid else math.sqrt(part.area)
 
 
-def _unevenness(part: Part) -> float:
-    thickness = part.field(_THICKNESS)
-    return thickness.spread / thickness.mean
+def _areas(part: Part) -> tuple[float]:
+    return (part.area / part.shape.area,)
 
 
-def _boundary(part: Part) -> float:
+def _extents(part: Part) -> tuple[float, float, float, float]:
+    s1, s2, s3 = part.scales.tolist()
+    unit = _EXTENT / part.shape.box_diagonal
+    return s1 * unit, s2 * unit, s3 * unit, math.hypot(s1, s2, s3) / _size(part)
+
+
+def _places(part: Part) -> tuple[float]:
+    away = math.dist(part.centroid.tolist(), part.shape.centroid.tolist())
+    return (away / part.shape.box_diagonal,)
+
+
+def _thicknesses(part: Part) -> tuple[float, float]:
+    found = part.field(_THICKNESS)
+    return found.mean, found.spread / found.mean
+
+
+def _remotenesses(part: Part) -> tuple[float, float, float]:
+    found = part.field(_REMOTENESS)
+    return found.mean, found.least, found.greatest
+
+
+def _boundaries(part: Part) -> tuple[float]:
     unit = _size(part)
-    return part.boundary.length / (unit**2 if part.shape.solid else unit)
+    return (part.boundary.length / (unit**2 if part.shape.solid else unit),)
 
 
-def _crease(part: Part) -> float:
+def _creases(part: Part) -> tuple[float]:
     boundary = part.boundary
-    return boundary.mean(_CONCAVITY) if boundary.length > 0 else 0.0
+    return (boundary.mean(_CONCAVITY) if boundary.length > 0 else 0.0,)
 
 
-def _offcenter(part: Part) -> float:
-    return math.dist(part.centroid, part.shape.centroid) / part.shape.box_diagonal
-
-
-def _spread(part: Part) -> float:
-    return math.hypot(*part.scales) / _size(part)
-
-
-class _Measure(NamedTuple):
-    """How a measure of a part is taken, whether ratios count, and the field that it reads."""
-
-    of: Callable[[Part], float]
-    by_ratio: bool
-    field: str | None = None
-
-
-_MEASURES = {
-    "area": _Measure(lambda part: part.area / part.shape.area, True),
-    "length": _Measure(_extent(0), True),
-    "width": _Measure(_extent(1), True),
-    "depth": _Measure(_extent(2), True),
-    "spread": _Measure(_spread, True),
-    "offcenter": _Measure(_offcenter, False),
-    "thickness": _Measure(lambda part: part.field(_THICKNESS).mean, True, _THICKNESS),
-    "unevenness": _Measure(_unevenness, False, _THICKNESS),
-    "remoteness": _Measure(lambda part: part.field(_REMOTENESS).mean, False, _REMOTENESS),
-    "nearest": _Measure(lambda part: part.field(_REMOTENESS).least, False, _REMOTENESS),
-    "farthest": _Measure(lambda part: part.field(_REMOTENESS).greatest, False, _REMOTENESS),
-    "boundary": _Measure(_boundary, True),
-    "crease": _Measure(_crease, False, _CONCAVITY),
-}
+_MEASURES = (
+    _Measures(take=_areas, names={"area": True}),
+    _Measures(take=_extents, names={"length": True, "width": True, "depth": True, "spread": True}),
+    _Measures(take=_places, names={"offcenter": False}),
+    _Measures(take=_thicknesses, names={"thickness": True, "unevenness": False}, field=_THICKNESS),
+    _Measures(
+        take=_remotenesses,
+        names={"remoteness": False, "nearest": False, "farthest": False},
+        field=_REMOTENESS,
+    ),
+    _Measures(take=_boundaries, names={"boundary": True}),
+    _Measures(take=_creases, names={"crease": False}, field=_CONCAVITY),
+)
 
 _Ratio: TypeAlias = Annotated[Target | None, Interval(1e-6)]
 
@@ -91,8 +109,8 @@ def fields_of(given: Mapping[str, Any]) -> tuple[str, ...]:
     >>> fields_of({"area": Target(0.1, 0.1), "nearest": Target(1.2, 0.1), "farthest": None})
     ('basic:remoteness',)
     """
-    asked = (_MEASURES[name].field for name, target in given.items() if target is not None)
-    return tuple(dict.fromkeys(field for field in asked if field is not None))
+    asked = {name for name, target in given.items() if target is not None}
+    return tuple(m.field for m in _MEASURES if m.field is not None and asked & m.names.keys())
 
 
 def expected_share(given: Mapping[str, Any]) -> float | None:
@@ -197,10 +215,12 @@ def is_(
         "crease": crease,
     }
     total, count = 0.0, 0
-    for name, target in given.items():
-        if target is not None:
-            measure = _MEASURES[name]
-            found = measure.of(part)
-            total += target.ratio_cost(found) if measure.by_ratio else target.cost(found)
-            count += 1
+    for measures in _MEASURES:
+        targets = [given[name] for name in measures.names]
+        if any(targets):
+            values = measures.take(part)
+            for target, value, ratios in zip(targets, values, measures.names.values(), strict=True):
+                if target is not None:
+                    total += target.ratio_cost(value) if ratios else target.cost(value)
+                    count += 1
     return total / count if count else 0.0
