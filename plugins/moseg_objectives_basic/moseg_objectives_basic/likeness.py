@@ -13,8 +13,7 @@ and spread of each measure.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping
 from typing import Annotated, Any, TypeAlias
 
 from moseg_core import Interval, Part, Target, objective
@@ -25,78 +24,15 @@ _EXTENT = math.sqrt(12.0)
 """From the standard deviation along an axis to the length of a rod, or the diameter of a ball."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Measures:
-    """Measures that are taken together.
-
-    Parameters
-    ----------
-    take : callable
-        From a part to their values.
-    names : dict of str to bool
-        Of each its name, and whether ratios count.
-    field : str, optional
-        The field that they read.
-    """
-
-    take: Callable[[Part], Iterable[float]]
-    names: dict[str, bool]
-    field: str | None = None
-
-
-def _size(part: Part) -> float:
-    """Root of the area, a length; of a solid's part the cube root of the volume."""
-    return math.cbrt(part.area) if part.shape.solid else math.sqrt(part.area)
-
-
-def _areas(part: Part) -> tuple[float]:
-    return (part.area / part.shape.area,)
-
-
-def _extents(part: Part) -> tuple[float, float, float, float]:
-    s1, s2, s3 = part.scales.tolist()
-    unit = _EXTENT / part.shape.box_diagonal
-    return s1 * unit, s2 * unit, s3 * unit, math.hypot(s1, s2, s3) / _size(part)
-
-
-def _places(part: Part) -> tuple[float]:
-    away = math.dist(part.centroid.tolist(), part.shape.centroid.tolist())
-    return (away / part.shape.box_diagonal,)
-
-
-def _thicknesses(part: Part) -> tuple[float, float]:
-    found = part.field(_THICKNESS)
-    return found.mean, found.spread / found.mean
-
-
-def _remotenesses(part: Part) -> tuple[float, float, float]:
-    found = part.field(_REMOTENESS)
-    return found.mean, found.least, found.greatest
-
-
-def _boundaries(part: Part) -> tuple[float]:
-    unit = _size(part)
-    return (part.boundary.length / (unit**2 if part.shape.solid else unit),)
-
-
-def _creases(part: Part) -> tuple[float]:
-    boundary = part.boundary
-    return (boundary.mean(_CONCAVITY) if boundary.length > 0 else 0.0,)
-
-
-_MEASURES = (
-    _Measures(take=_areas, names={"area": True}),
-    _Measures(take=_extents, names={"length": True, "width": True, "depth": True, "spread": True}),
-    _Measures(take=_places, names={"offcenter": False}),
-    _Measures(take=_thicknesses, names={"thickness": True, "unevenness": False}, field=_THICKNESS),
-    _Measures(
-        take=_remotenesses,
-        names={"remoteness": False, "nearest": False, "farthest": False},
-        field=_REMOTENESS,
-    ),
-    _Measures(take=_boundaries, names={"boundary": True}),
-    _Measures(take=_creases, names={"crease": False}, field=_CONCAVITY),
-)
+_READ = {
+    "thickness": _THICKNESS,
+    "unevenness": _THICKNESS,
+    "remoteness": _REMOTENESS,
+    "nearest": _REMOTENESS,
+    "farthest": _REMOTENESS,
+    "crease": _CONCAVITY,
+}
+"""The fields that measures are taken from."""
 
 _Ratio: TypeAlias = Annotated[Target | None, Interval(1e-6)]
 
@@ -109,8 +45,8 @@ def fields_of(given: Mapping[str, Any]) -> tuple[str, ...]:
     >>> fields_of({"area": Target(0.1, 0.1), "nearest": Target(1.2, 0.1), "farthest": None})
     ('basic:remoteness',)
     """
-    asked = {name for name, target in given.items() if target is not None}
-    return tuple(m.field for m in _MEASURES if m.field is not None and asked & m.names.keys())
+    asked = (name for name, target in given.items() if target is not None and name in _READ)
+    return tuple(dict.fromkeys(_READ[name] for name in asked))
 
 
 def expected_share(given: Mapping[str, Any]) -> float | None:
@@ -199,28 +135,44 @@ def is_(
     >>> [round(term.value, 9) for term in problem.evaluate(strip, [0, 1]).terms]
     [1.0, 0.5]
     """
-    given = {
-        "area": area,
-        "length": length,
-        "width": width,
-        "depth": depth,
-        "spread": spread,
-        "offcenter": offcenter,
-        "thickness": thickness,
-        "unevenness": unevenness,
-        "remoteness": remoteness,
-        "nearest": nearest,
-        "farthest": farthest,
-        "boundary": boundary,
-        "crease": crease,
-    }
-    total, count = 0.0, 0
-    for measures in _MEASURES:
-        targets = [given[name] for name in measures.names]
-        if any(targets):
-            values = measures.take(part)
-            for target, value, ratios in zip(targets, values, measures.names.values(), strict=True):
-                if target is not None:
-                    total += target.ratio_cost(value) if ratios else target.cost(value)
-                    count += 1
-    return total / count if count else 0.0
+    off: list[float] = []
+    shape, own = part.shape, part.area
+    # A length, for the part to be compared with itself.
+    size = math.cbrt(own) if shape.solid else math.sqrt(own)
+    if area:
+        off.append(area.ratio_cost(own / shape.area))
+    if length or width or depth or spread:
+        s1, s2, s3 = part.scales.tolist()
+        unit = _EXTENT / shape.box_diagonal
+        if length:
+            off.append(length.ratio_cost(s1 * unit))
+        if width:
+            off.append(width.ratio_cost(s2 * unit))
+        if depth:
+            off.append(depth.ratio_cost(s3 * unit))
+        if spread:
+            off.append(spread.ratio_cost(math.hypot(s1, s2, s3) / size))
+    if offcenter:
+        away = math.dist(part.centroid.tolist(), shape.centroid.tolist())
+        off.append(offcenter.cost(away / shape.box_diagonal))
+    if thickness or unevenness:
+        found = part.field(_THICKNESS)
+        if thickness:
+            off.append(thickness.ratio_cost(found.mean))
+        if unevenness:
+            off.append(unevenness.cost(found.spread / found.mean))
+    if remoteness or nearest or farthest:
+        found = part.field(_REMOTENESS)
+        if remoteness:
+            off.append(remoteness.cost(found.mean))
+        if nearest:
+            off.append(nearest.cost(found.least))
+        if farthest:
+            off.append(farthest.cost(found.greatest))
+    if boundary or crease:
+        edge = part.boundary
+        if boundary:
+            off.append(boundary.ratio_cost(edge.length / (size**2 if shape.solid else size)))
+        if crease:
+            off.append(crease.cost(edge.mean(_CONCAVITY) if edge.length > 0 else 0.0))
+    return math.fsum(off) / len(off) if off else 0.0
