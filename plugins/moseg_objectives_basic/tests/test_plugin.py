@@ -33,13 +33,47 @@ SECTION_3 = {
     "coaxial": "nary",
     "similar": "nary",
 }
-PARAMETERS = {"rotational_symmetric": {"n": 2}, "area_fraction": {"min": 0.0, "max": 1.0}}
+WORDS = {
+    "is": "unary",
+    "thin": "unary",
+    "thick": "unary",
+    "even_thickness": "unary",
+    "central": "unary",
+    "remote": "unary",
+    "small": "unary",
+    "large": "unary",
+    "short_boundary": "unary",
+    "creased_boundary": "unary",
+    "above": "nary",
+    "touching": "nary",
+    "apart": "nary",
+    "short_boundaries": "global",
+    "creased_boundaries": "global",
+}
+PARAMETERS = {
+    "rotational_symmetric": {"n": 2},
+    "area_fraction": {"min": 0.0, "max": 1.0},
+    "above": {"up": "z", "margin": 0.1},
+    "is": dict.fromkeys(
+        "area length width depth spread offcenter thickness unevenness remoteness nearest farthest"
+        " boundary crease".split()
+    ),
+}
+#: Objectives that do not declare an invariance, and which: heights have a direction, the first part
+#: is not like the others, and what hangs on distances and bends between elements on these.
+VARIANT = {
+    "above": {"rigid", "reflection", "labels"},
+    "touching": {"tessellation", "labels"},
+    **dict.fromkeys(
+        ("central", "remote", "creased_boundary", "creased_boundaries", "is"), {"tessellation"}
+    ),
+}
 
 
 def test_nothing_heavy_is_imported():
     code = (
         "import sys, json, moseg_objectives_basic.plugin as p;"
-        "p.moseg_objectives(), p.moseg_measures(), p.moseg_recipes();"
+        "p.moseg_objectives(), p.moseg_measures(), p.moseg_fields(), p.moseg_recipes();"
         "print(json.dumps(sorted(sys.modules)))"
     )
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
@@ -52,27 +86,28 @@ def test_nothing_heavy_is_imported():
 def test_bundle_is_found_whole():
     bundle = next(b for b in registry().bundles if b.name == "basic")
     assert bundle.problem is None
-    offered = plugin.moseg_objectives() + plugin.moseg_measures() + plugin.moseg_recipes()
+    offered = [*plugin.moseg_objectives(), *plugin.moseg_measures(), *plugin.moseg_fields()]
+    offered += plugin.moseg_recipes()
     assert {c.spec for c in bundle.components} == set(offered)
     for component in bundle.components:
         assert component.load() is not None
         assert component.spec.summary
 
 
-def test_objectives_are_those_of_sections_3_and_10():
+def test_objectives_are_those_of_sections_3_and_10_and_the_words():
     found = {}
     for spec in plugin.moseg_objectives():
         target = registry().find("objective", f"basic:{spec.name}").load()
         assert isinstance(target, Objective)
-        assert target.__name__ == spec.name
+        assert target.__name__.rstrip("_") == spec.name  # `is` is a word of Python
         assert {p.name: p.default for p in target.parameters} == PARAMETERS.get(spec.name, {})
         low, high = target.traits.range
         assert low == 0 < high
         everything = {"rigid", "scale", "reflection", "order", "tessellation"}
         several = set() if target.traits.arity == "unary" else {"labels"}
-        assert target.traits.invariant_to == everything | several
+        assert target.traits.invariant_to == (everything | several) - VARIANT.get(spec.name, set())
         found[spec.name] = target.traits.arity
-    assert found == SECTION_10 | SECTION_3
+    assert found == SECTION_10 | SECTION_3 | WORDS
 
 
 def test_what_the_objectives_need():
@@ -81,9 +116,18 @@ def test_what_the_objectives_need():
         for spec in plugin.moseg_objectives()
     }
     assert needs.pop("convex_parts") == {"volume"}
-    of_a_surface = {"planar_symmetric", "axial_symmetric", "rotational_symmetric", "convex"}
-    assert {name for name, what in needs.items() if what} == of_a_surface
-    assert all(needs[name] == {"surface"} for name in of_a_surface)
+    by_needs = {
+        frozenset({"surface"}): {
+            *("planar_symmetric", "axial_symmetric", "rotational_symmetric", "convex"),
+            *("thin", "thick", "even_thickness"),
+        },
+        frozenset({"adjacency"}): {
+            *("central", "remote", "touching", "apart", "short_boundary", "short_boundaries"),
+        },
+        frozenset({"surface", "adjacency"}): {"creased_boundary", "creased_boundaries"},
+    }
+    for what, names in by_needs.items():
+        assert {name for name, needed in needs.items() if needed == what} == names
 
 
 @pytest.fixture

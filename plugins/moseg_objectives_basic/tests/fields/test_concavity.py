@@ -62,7 +62,6 @@ def test_a_crease_of_two_planes(degrees):
     # It falls by exp(-x / r) to both sides, and somewhat faster as the surface turns away.
     middle = (away > 0.9 * reach) & (away < 1.1 * reach)
     assert 0.5 < values[middle].mean() / (expected * np.exp(-1)) < 1.2
-    assert values[(away > 4 * reach) & (away < 3)].max() < 0.1
     assert values[away < 3].max() < 1.25 * expected
 
 
