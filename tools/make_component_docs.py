@@ -94,12 +94,18 @@ def about(traits: Traits) -> str:
 
 
 def call(explained: Explained) -> str:
-    """An objective as it is written in an expression, with its parameters' defaults."""
+    """An objective as it is written in an expression, with its parameters' defaults.
+
+    Of parameters that may be left out the first is named, for the others stand dots.
+    """
     traits = explained.traits
     assert traits is not None
     labels = {"one part": ["a"], "two parts": ["a", "b"], "several parts": ["a", "b", "..."]}
     arguments = labels.get(about(traits), [])
-    arguments += [f"{parameter.name}={default(parameter)}" for parameter in explained.parameters]
+    given = [parameter for parameter in explained.parameters if not parameter.optional]
+    arguments += [f"{parameter.name}={default(parameter)}" for parameter in given]
+    if left_out := [parameter.name for parameter in explained.parameters if parameter.optional]:
+        arguments += [f"{left_out[0]}=...", *(["..."] if len(left_out) > 1 else [])]
     name = explained.component.spec.name
     return f"{name}({', '.join(arguments)})" if arguments else name
 

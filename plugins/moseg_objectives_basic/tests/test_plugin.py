@@ -50,23 +50,24 @@ WORDS = {
     "short_boundaries": "global",
     "creased_boundaries": "global",
 }
+SIZES = ("area", "length", "width", "depth", "spread", "thickness", "unevenness", "boundary")
+PLACES = ("offcenter", "remoteness", "nearest", "farthest", "crease")
 PARAMETERS = {
     "rotational_symmetric": {"n": 2},
     "area_fraction": {"min": 0.0, "max": 1.0},
     "above": {"up": "z", "margin": 0.1},
-    "is": dict.fromkeys(
-        "area length width depth spread offcenter thickness unevenness remoteness nearest farthest"
-        " boundary crease".split()
-    ),
+    "is": dict.fromkeys((*SIZES, *PLACES)),
 }
 #: Objectives that do not declare an invariance, and which: heights have a direction, the first part
 #: is not like the others, and what hangs on distances and bends between elements on these.
 VARIANT = {
     "above": {"rigid", "reflection", "labels"},
     "touching": {"tessellation", "labels"},
-    **dict.fromkeys(
-        ("central", "remote", "creased_boundary", "creased_boundaries", "is"), {"tessellation"}
-    ),
+    "central": {"tessellation"},
+    "remote": {"tessellation"},
+    "creased_boundary": {"tessellation"},
+    "creased_boundaries": {"tessellation"},
+    "is": {"tessellation"},
 }
 
 
