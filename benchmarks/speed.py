@@ -1,4 +1,4 @@
-"""How fast the inner loop is: the flood, an evaluation of the horse, fields and boundaries.
+"""How fast the inner loop is: the flood, an evaluation of the horse, fields, words.
 
     python benchmarks/speed.py [MESH]
 
@@ -8,12 +8,14 @@ one process; ratios are what to compare, since machines and days differ.
 
 from __future__ import annotations
 
+import itertools
 import statistics
 import sys
 import time
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -193,6 +195,44 @@ def field_table(shape: moseg.Shape, n: int = 11) -> None:
         print(f"  {name:40s}{each:8.2f}")
 
 
+def word_table(shape: moseg.Shape, n: int = 11) -> None:
+    """What each cheap word costs a part, asked alone of new partitions of a coarse shape."""
+    coarse, lookup = moseg.coarsen(shape, 2000), Lookup()
+    rng, voronoi = np.random.default_rng(0), Voronoi(coarse, n)
+    labels = [
+        voronoi.labels(voronoi.encode(Centers(positions=at, weights=np.ones(n)))[None])[0]
+        for at in (coarse.points[rng.choice(coarse.n_elements, n, False)] for _ in range(100))
+    ]
+    words: dict[str, dict[str, moseg.Target]] = {}
+    for component in moseg.registry().components("objective"):
+        traits = component.load().traits
+        if component.bundle == "basic" and traits.cost == "cheap":
+            words[component.spec.name] = {}
+    everything = {p.name: moseg.Target(0.5, 0.2) for p in word("is").parameters}
+    words = {**words, "is": {"area": moseg.Target(0.1, 0.1)}, "is, 13 measures": everything}
+    print(f"\n{n} parts on {coarse.n_elements} super-elements, microseconds a part, each alone")
+    for title, parameters in words.items():
+        objective = word(title.partition(",")[0])
+        times = []
+        for row in [labels[0], *labels]:
+            made = moseg.Segmentation.from_labels(coarse, row, n, lookup=lookup)
+            parts = [part for part in made.parts if part.area > 0]
+            of_one = objective.traits.arity == "unary"
+            asked: list[object] = [*parts] if of_one else [made]
+            if objective.traits.arity == "nary":
+                asked = list(itertools.pairwise(parts))
+            start = time.perf_counter()
+            for each in asked:
+                objective(each, **parameters)
+            times.append((time.perf_counter() - start) / len(parts))
+        print(f"  {title:40s}{1e6 * statistics.median(times[1:]):8.2f}")
+
+
+def word(name: str) -> Any:
+    """A basic objective."""
+    return moseg.registry().find("objective", f"basic:{name}").load()
+
+
 def main() -> None:
     """Print all tables."""
     path = Path(sys.argv[1]) if len(sys.argv) > 1 else moseg.sample_path("horse")
@@ -200,6 +240,7 @@ def main() -> None:
     flood_table(shape)
     evaluation_table(shape)
     field_table(shape)
+    word_table(shape)
 
 
 if __name__ == "__main__":

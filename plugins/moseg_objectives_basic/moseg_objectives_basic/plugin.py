@@ -12,7 +12,7 @@ moseg_contract = 1
 
 @hookimpl
 def moseg_objectives() -> list[ObjectiveSpec]:
-    """The objectives of Sec. 10, those that Sec. 3 only names, and bounds on the area.
+    """The objectives of Sec. 10, those that Sec. 3 only names, and the words.
 
     A summary says, in this form, of how many parts it is and where it is small: the tables in the
     README and in ``docs/objectives.md`` are made of it.
