@@ -26,6 +26,7 @@ from moseg_core.components.discovery.specs import OptimizerSpec as OptimizerSpec
 from moseg_core.components.discovery.specs import ParameterizationSpec as ParameterizationSpec
 from moseg_core.components.discovery.specs import ReaderSpec as ReaderSpec
 from moseg_core.components.discovery.specs import RecipeSpec as RecipeSpec
+from moseg_core.components.discovery.specs import RefinerSpec as RefinerSpec
 from moseg_core.components.discovery.specs import Requirement as Requirement
 from moseg_core.components.discovery.specs import SeederSpec as SeederSpec
 from moseg_core.components.discovery.specs import Spec as Spec
@@ -49,6 +50,7 @@ from moseg_core.components.protocols import Objective as Objective
 from moseg_core.components.protocols import Optimizer as Optimizer
 from moseg_core.components.protocols import Parameterization as Parameterization
 from moseg_core.components.protocols import Progress as Progress
+from moseg_core.components.protocols import Refiner as Refiner
 from moseg_core.components.protocols import Report as Report
 from moseg_core.components.protocols import Seeder as Seeder
 from moseg_core.components.protocols import Seeding as Seeding

@@ -111,6 +111,7 @@ _NAMED = {
     "seeder": ("SeederSpec", "moseg_seeders"),
     "labeler": ("LabelerSpec", "moseg_labelers"),
     "optimizer": ("OptimizerSpec", "moseg_optimizers"),
+    "refiner": ("RefinerSpec", "moseg_refiners"),
 }
 
 

@@ -21,6 +21,7 @@ from moseg_core.components.discovery.specs import (
     LabelerSpec,
     OptimizerSpec,
     ParameterizationSpec,
+    RefinerSpec,
     SeederSpec,
 )
 from moseg_core.components.memo import Memo
@@ -165,6 +166,7 @@ def stranger(kind, made, **parameters):
         "seeder": SeederSpec,
         "labeler": LabelerSpec,
         "optimizer": OptimizerSpec,
+        "refiner": RefinerSpec,
     }
     spec = specs[kind](name="made", target="strange_module:Made")
     component = Component("strange", "moseg-strange 2.0", spec)
@@ -194,6 +196,16 @@ def labeler(answer):
             return answer(evaluator, vector) if callable(answer) else answer
 
     return stranger("labeler", Made)
+
+
+def refiner(answer):
+    """A refiner that returns what it is made of, or what that makes of evaluator and labels."""
+
+    class Made:
+        def __call__(self, evaluator, labels, *, report):
+            return answer(evaluator, labels) if callable(answer) else answer
+
+    return stranger("refiner", Made)
 
 
 def fail(*given):

@@ -33,6 +33,7 @@ KINDS: dict[Kind, str] = {
     "seeder": "Seeders",
     "labeler": "Labelers",
     "optimizer": "Optimizers",
+    "refiner": "Refiners",
     "constraint": "Constraints",
     "embedding": "Embeddings",
 }

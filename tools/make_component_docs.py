@@ -37,6 +37,7 @@ KINDS: dict[Kind, str] = {
     "seeder": "Seeders",
     "labeler": "Labelers",
     "optimizer": "Optimizers",
+    "refiner": "Refiners",
     "parameterization": "Parameterizations",
     "measure": "Measures",
     "field": "Fields",

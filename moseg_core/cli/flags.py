@@ -107,6 +107,9 @@ class SearchFlags:
         How centres are refined, such as "pattern_search(max_evaluations=2000)".
     parameterization
         The family of segmentations to search, such as "voronoi(connected=false)".
+    refiner
+        What moves boundaries once the search is over, such as "graph_cut(band=0.03)"; "none" leaves
+        the recipe's out.
     restarts
         Number of starts; the best result is kept. They share limits on evaluations and seconds.
     finalists
@@ -127,6 +130,7 @@ class SearchFlags:
     labeler: str | None = None
     optimizer: str | None = None
     parameterization: str | None = None
+    refiner: str | None = None
     restarts: int | None = None
     finalists: int | None = None
     resolution: str | None = None

@@ -17,6 +17,7 @@ Sketched = Literal[
     "labeler",
     "optimizer",
     "parameterization",
+    "refiner",
     "constraint",
     "embedding",
 ]

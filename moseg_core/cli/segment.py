@@ -22,7 +22,7 @@ from moseg_core.io.files import check_output, save
 from moseg_core.io.result_json import evaluation_document
 from moseg_core.io.write.formats import check_writable
 from moseg_core.problem.slow_calls import naming_slow_calls
-from moseg_core.search.clipped_result import check_parameterization, clip
+from moseg_core.search.clipped_result import check_components, clip
 from moseg_core.search.levels import check_hierarchy, solve_hierarchy
 from moseg_core.search.result import Result
 from moseg_core.search.segment import check_frozen, matched_centers, prepare_components
@@ -55,8 +55,7 @@ def run_segment(
     options = read_search(search, steering)
     check_hierarchy(task, options)
     if clipped:
-        ready = prepare_components(problem, options.settled(task.search))
-        check_parameterization(ready["parameterization"])
+        check_components(prepare_components(problem, options.settled(task.search)))
         if task.children:
             raise UsageError("boundaries can be clipped for results of one level only, so far")
     start_centers = None

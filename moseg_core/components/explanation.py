@@ -31,6 +31,7 @@ _WITH_PARAMETERS = (
     "seeder",
     "labeler",
     "optimizer",
+    "refiner",
     "constraint",
     "embedding",
 )

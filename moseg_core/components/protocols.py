@@ -7,18 +7,19 @@ of a search, and who calls whom::
     labeler     evaluator, vector         -> which centre gets which label (Sec. 6)
     optimizer   ask() -> vectors, tell(costs), until done                 (Sec. 7)
     evaluator   vectors -> labels (parameterization) -> parts -> costs (objectives)
+    refiner     evaluator, labels         -> labels, their boundaries moved, once the search is over
 
-Seeders, labelers, optimizers and parameterizations are constructed with their parameters as keyword
-arguments, which :mod:`moseg_core.components.parameters` reads from their signature. Optimizers can
-be pickled between ``tell`` and ``ask``; that is how a run is checkpointed.
+Seeders, labelers, optimizers, parameterizations and refiners are constructed with their parameters
+as keyword arguments, which :mod:`moseg_core.components.parameters` reads from their signature.
+Optimizers can be pickled between ``tell`` and ``ask``; that is how a run is checkpointed.
 
 A class may say more of itself, in attributes that no protocol asks for:
 
 ``example``
     For a component with a parameter that must be given: a static method that returns a dict of
     parameters to try it with. It is called with what the component is about to meet: ``(shape,
-    n_parts)`` for a parameterization, ``(evaluator,)`` for seeders and labelers, ``(start,)`` for
-    optimizers, ``(shape, labels)`` for constraints, ``(shape,)`` for embeddings.
+    n_parts)`` for a parameterization, ``(evaluator,)`` for seeders, labelers and refiners,
+    ``(start,)`` for optimizers, ``(shape, labels)`` for constraints, ``(shape,)`` for embeddings.
 ``presets``
     Parameters that take the place of the signature's defaults on an occasion, by its name, such as
     ``{"polish": {"pattern_size": 0.01}}``. ``"default"``: under the settings of that name, where
@@ -36,6 +37,9 @@ A class may say more of itself, in attributes that no protocol asks for:
     Of a parameterization: true where a point belongs to the centre, of those that a vector is
     decoded to, with the least distance over weight. Where parts have a centre each, its boundaries
     are then clipped in closed form, without asking for ``distances``.
+``check``
+    Of a refiner, once made: a method that is called with the evaluator before the search, and
+    raises one of moseg's errors where shape or problem lack what the refiner needs.
 ``optimal``
     Of a labeler: ``"unary"`` where no assignment has a lower sum of unary terms, ``"all"`` where
     none has a lower cost.
@@ -271,7 +275,7 @@ class ClippableParameterization(Parameterization, Protocol):
 
 
 class Evaluator(Protocol):
-    """A problem on a shape, as seeders and labelers see it: vectors in, labels and costs out.
+    """A problem on a shape, as components see it: vectors or labels in, parts and costs out.
 
     What stands above the components is typed loosely here; :class:`moseg_core.ProblemEvaluator` is
     the one that there is, and says more.
@@ -317,6 +321,10 @@ class Evaluator(Protocol):
 
     def evaluate(self, vector: FloatArray) -> Any:
         """The :class:`moseg_core.Evaluation` of a vector: cost by term and part."""
+        ...
+
+    def evaluate_labels(self, labels: Int32Array) -> Any:
+        """The :class:`moseg_core.Evaluation` of a labelling."""
         ...
 
     def costs(self, batch: Batch) -> list[Cost]:
@@ -474,6 +482,30 @@ class Optimizer(Protocol):
 
     def tell(self, costs: Sequence[Cost]) -> None:
         """The costs of the batch last asked for, in its order; an error where there is none."""
+        ...
+
+
+@runtime_checkable
+class Refiner(Protocol):
+    """Boundaries moved a little, once the search is over, to where people put them.
+
+    Constructed with parameters.
+    """
+
+    def __call__(self, evaluator: Evaluator, labels: Int32Array, *, report: Report) -> Int32Array:
+        """(F,) int32: the label of every element of the evaluator's shape, boundaries moved.
+
+        No part becomes empty; a pinned element keeps its label, or gets the one that it is pinned
+        to. Returns soon after `report` has answered True.
+
+        Parameters
+        ----------
+        evaluator : Evaluator
+            On the input's own elements.
+        labels : (F,) int32
+            What the search has found; not to be changed.
+        report : callable
+        """
         ...
 
 

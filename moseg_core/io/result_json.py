@@ -17,7 +17,7 @@ from moseg_core.errors import UsageError, unknown
 from moseg_core.problem.aggregate import CallValue, Evaluation, TermValue
 from moseg_core.problem.hierarchy import Hierarchy
 from moseg_core.problem.problem import Problem
-from moseg_core.problem.settings import RECIPE_OPTIONS, SearchOptions
+from moseg_core.problem.settings import NO_REFINER, RECIPE_OPTIONS, SearchOptions
 from moseg_core.problem.statement import KEYS, Statement, joined
 from moseg_core.search.result import Result
 from moseg_core.types import IntArray
@@ -73,7 +73,8 @@ class SavedResult:
         front = f"{path}: " if path else ""
         if front + "optimizer" not in self.method:
             raise UsageError(unknown("level", path, [p for p, _ in self.statement.levels()]))
-        options: Any = {key: self.method[front + key] for key in RECIPE_OPTIONS}
+        settled = {front + "refiner": NO_REFINER} | dict(self.method)
+        options: Any = {key: settled[front + key] for key in RECIPE_OPTIONS}
         return SearchOptions(**options, settings=self.method[front + "settings"], seed=self.seed)
 
 

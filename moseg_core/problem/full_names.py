@@ -19,7 +19,7 @@ from moseg_core.components.discovery.registry import Registry
 from moseg_core.components.discovery.specs import Kind
 from moseg_core.errors import ExpressionError, UsageError
 from moseg_core.language import Term, parse, parse_call
-from moseg_core.problem.settings import SEARCH_KINDS
+from moseg_core.problem.settings import CHOSEN_KINDS
 from moseg_core.problem.statement import Statement
 
 Meaning = Callable[[Kind, str], str]
@@ -85,7 +85,7 @@ def statement_in_full(
     embedding = statement.embedding
     chosen: dict[str, Any] = {
         kind: choice_in_full(Choice.read(choice, kind), kind, meaning)
-        for kind in SEARCH_KINDS
+        for kind in CHOSEN_KINDS
         if (choice := getattr(statement.search, kind)) is not None
     }
     full: dict[str, Any] = {}

@@ -28,7 +28,7 @@ from moseg_core.components.discovery.registry import Registry
 from moseg_core.errors import UsageError, unknown
 from moseg_core.problem.aggregate import CallValue, Evaluation, TermValue
 from moseg_core.problem.problem import Problem
-from moseg_core.problem.settings import SEARCH_KINDS, Method, SearchOptions, check_method
+from moseg_core.problem.settings import CHOSEN_KINDS, Method, SearchOptions, check_method
 from moseg_core.problem.statement import SEPARATOR, Statement, joined
 from moseg_core.shape.labels import checked_labels
 from moseg_core.shape.shape import Shape
@@ -180,8 +180,10 @@ class Hierarchy:
         for _, level in self.levels():
             named |= level.problem.versions
             settled = SearchOptions().settled(level.search)
-            for kind in SEARCH_KINDS:
-                component = level.registry.find(kind, getattr(settled, kind).name)
+            for kind in CHOSEN_KINDS:
+                if (choice := getattr(settled, kind)) is None:
+                    continue
+                component = level.registry.find(kind, choice.name)
                 named[component.id] = component.distribution
         return dict(sorted(named.items()))
 

@@ -7,6 +7,7 @@
     minimize = "3*narrow(handle) + perpendicular(handle, head) + convex_parts"
     seeder = "kmeans"                       # optional, as are labeler and optimizer
     optimizer = "pattern_search(expansion=2)"
+    refiner = "graph_cut"                   # none unless it is given
     resolution = 2000                       # optional; or "full"
     restarts = 4                            # optional, as is finalists
 

@@ -27,11 +27,17 @@ SETTINGS = ("default", "paper")
 SEARCH_KINDS: tuple[Kind, ...] = ("parameterization", "seeder", "labeler", "optimizer")
 """The kinds of component of which every search uses one."""
 
-RECIPE_OPTIONS = (*SEARCH_KINDS, "resolution", "restarts", "finalists")
+CHOSEN_KINDS: tuple[Kind, ...] = (*SEARCH_KINDS, "refiner")
+"""The kinds of component that a request or a recipe may choose; without a refiner none is used."""
+
+RECIPE_OPTIONS = (*CHOSEN_KINDS, "resolution", "restarts", "finalists")
 """The options that belong to how a problem is solved, whoever solves it: a recipe may hold them."""
 
 ComponentChoice = str | Mapping[str, Any] | Choice | None
 """A component as a caller names it: ``"kmeans"``, ``"pattern_search(expansion=2)"``, a table."""
+
+NO_REFINER = "none"
+"""In the place of a refiner: boundaries stay as the search leaves them, whatever a recipe says."""
 
 _DEFAULT_RESOLUTION = 2000
 _DEFAULT_RESTARTS = 8
@@ -45,6 +51,7 @@ class OptionValues(TypedDict, total=False):
     seeder: ComponentChoice
     labeler: ComponentChoice
     optimizer: ComponentChoice
+    refiner: ComponentChoice
     resolution: int | str | None
     restarts: int | str | None
     finalists: int | str | None
@@ -56,12 +63,16 @@ class OptionValues(TypedDict, total=False):
 
 @dataclass(frozen=True, kw_only=True)
 class SettledOptions:
-    """Search options with nothing left open but the limit on time; see :class:`SearchOptions`."""
+    """Search options with nothing left open; see :class:`SearchOptions`.
+
+    There is a refiner only where one was asked for, and a limit on time likewise.
+    """
 
     parameterization: Choice
     seeder: Choice
     labeler: Choice
     optimizer: Choice
+    refiner: Choice | None
     resolution: int | str
     restarts: int
     finalists: int
@@ -102,6 +113,8 @@ class Method:
     ----------
     parameterization, seeder, labeler, optimizer : str, mapping or Choice, optional
         Components: ``"pattern_search(expansion=2)"``.
+    refiner : str, mapping or Choice, optional
+        A component that moves boundaries once the search is over; ``"none"`` for none.
     resolution : int or "full", optional
         Number of super-elements on which to seed and search, where the shape has more than 1.5
         times as many elements.
@@ -126,12 +139,13 @@ class Method:
     seeder: ComponentChoice = None
     labeler: ComponentChoice = None
     optimizer: ComponentChoice = None
+    refiner: ComponentChoice = None
     resolution: int | str | None = None
     restarts: int | str | None = None
     finalists: int | str | None = None
 
     def __post_init__(self) -> None:
-        for kind in SEARCH_KINDS:
+        for kind in CHOSEN_KINDS:
             given = getattr(self, kind)
             if given is not None:
                 object.__setattr__(self, kind, Choice.read(given, kind))
@@ -234,7 +248,8 @@ class SearchOptions(Method):
         ----------
         recipe : Method, optional
             What the recipe says, where these options do not. Under ``paper`` only its components
-            count, without parameters: the paper's are their own defaults.
+            count, without parameters: the paper's are their own defaults. A recipe's refiner does
+            not: the paper has none.
 
         Examples
         --------
@@ -260,6 +275,8 @@ class SearchOptions(Method):
             said = Method(resolution="full", restarts=1, finalists=1, **plain)
         found = self.over(said).over(_DEFAULT_COMPONENTS)
         values: Any = {f.name: getattr(found, f.name) for f in fields(found)}
+        if values["refiner"] is not None and values["refiner"].name == NO_REFINER:
+            values["refiner"] = None
         limited = values["optimizer"].parameters.get("max_evaluations") is not None
         left_open = {
             "resolution": _DEFAULT_RESOLUTION,

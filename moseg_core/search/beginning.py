@@ -65,7 +65,7 @@ def begin(
     n = partition.n_parts
     seeding = None
     if start is None:
-        seeding = _seed(ready["seeder"], evaluator, rng, _until(deadline, report))
+        seeding = _seed(ready["seeder"], evaluator, rng, until(deadline, report))
         weights = np.ones(n) if seeding.weights is None else seeding.weights
         vector = partition.encode(Centers(positions=seeding.centers, weights=weights))
         if not seeding.labelled:
@@ -188,7 +188,7 @@ def _weights(seeding: Seeding, n: int) -> FloatArray | None:
     return weights if fits else None
 
 
-def _until(deadline: float | None, report: Report) -> Report:
+def until(deadline: float | None, report: Report) -> Report:
     """The reporting function, which also asks to stop when the time is up."""
 
     def listen(progress: Progress) -> bool:

@@ -2,11 +2,13 @@
 
 :mod:`moseg_core.clipping` cuts a labelled mesh along the boundaries of a partition of space; here
 labels and centres are a result's, and its parameterization says where the boundaries are. One that
-does not know is refused by name.
+does not know is refused by name, and so are boundaries that a refiner has moved
+(:mod:`moseg_core.search.refinement`): they are no longer where the centres say.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
@@ -15,6 +17,7 @@ from moseg_core.clipping.bisector import Bisectors
 from moseg_core.clipping.boundaries import Boundaries, DistanceField
 from moseg_core.clipping.clip import check_clippable, clip_along
 from moseg_core.components.chosen import Choice, PreparedComponent, prepare
+from moseg_core.components.discovery.specs import Kind
 from moseg_core.errors import UsageError
 from moseg_core.problem.problem import Problem
 from moseg_core.search.checked_partition import make_partition
@@ -41,7 +44,7 @@ def clip(result: Result, *, space: Shape | None = None) -> Result:
     ------
     UsageError
         The result was found with a parameterization that does not know where parts meet between
-        elements, or is one of several levels.
+        elements, a refiner has moved its boundaries, or it is one of several levels.
     ShapeError
         The shape is no mesh, or `space` does not have its faces and vertices.
 
@@ -60,6 +63,8 @@ def clip(result: Result, *, space: Shape | None = None) -> Result:
             "boundaries can be clipped for results of one level only, so far; clip one of"
             " result.levels, such as result.levels['']"
         )
+    if result.refined:
+        raise _moved(f"refiner '{result.method['refiner']}'")
     choice = Choice.read(result.method["parameterization"], "parameterization")
     ready = prepare(choice, "parameterization", result.problem.registry)
     check_parameterization(ready)
@@ -87,6 +92,32 @@ def _boundaries(ready: PreparedComponent, space: Shape, result: Result) -> Bound
     assert isinstance(result.problem, Problem)  # results of several levels are refused
     partition = make_partition(ready, space, result.problem)
     return DistanceField(partial(partition.distances, partition.encode(centers)))
+
+
+def check_components(ready: Mapping[Kind, PreparedComponent]) -> None:
+    """Refuse the components of a run whose boundaries cannot be clipped afterwards.
+
+    Parameters
+    ----------
+    ready : mapping of kind to PreparedComponent
+
+    Raises
+    ------
+    UsageError
+        With the name of the parameterization or the refiner.
+    """
+    check_parameterization(ready["parameterization"])
+    if "refiner" in ready:
+        raise _moved(ready["refiner"].who)
+
+
+def _moved(who: str) -> UsageError:
+    """Why boundaries that a refiner moves cannot be clipped."""
+    return UsageError(
+        f"boundaries that the {who} moves cannot be clipped: clipping follows the centres, and they"
+        " are no longer where the centres say; leave the clipping out, or the refiner"
+        " (--refiner none)"
+    )
 
 
 def check_parameterization(ready: PreparedComponent) -> None:

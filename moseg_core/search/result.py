@@ -22,6 +22,9 @@ if TYPE_CHECKING:
     from moseg_core.clipping.clip import Clipped
     from moseg_core.shape.geometry import Geometry
 
+REFINE = "refine"
+"""The stage of the history in which a refiner moves boundaries."""
+
 #: Below this share of the area a part is worth a warning.
 _SLIVER = 0.005
 
@@ -42,16 +45,17 @@ class Result:
         Cost by term and part, of these labels.
     centers : Centers
         One centre per label, or as many as the parameterization has, in units of
-        :attr:`partitioned`. Those of a hierarchy's leaves belong
-        to different partitions, each to that of its own level: its weight compares with those of
-        its siblings only.
+        :attr:`partitioned`: of the partition that the search has found, also where boundaries were
+        moved afterwards (:attr:`refined`). Those of a hierarchy's leaves belong to different
+        partitions, each to that of its own level: its weight compares with those of its siblings
+        only.
     dimension : (int, int)
         How many numbers the search had to find, and how many describe the segmentation; they
         differ where constraints give some from others.
     history : mapping of str to tuple of dict
         For each stage a record per round or iteration.
     method : mapping of str to str
-        Parameterization, seeder, labeler and optimizer as chosen.
+        Parameterization, seeder, labeler, optimizer and refiner as chosen, and the settings.
     seed : int
     versions : mapping of str to str
         For the id of every component used the distribution that it came from.
@@ -94,6 +98,11 @@ class Result:
     def cost(self) -> float:
         """Value of the aggregate objective."""
         return self.evaluation.cost.value
+
+    @property
+    def refined(self) -> bool:
+        """Whether a refiner has moved boundaries, so that they are not where the centres say."""
+        return any(stage.rpartition(": ")[2] == REFINE for stage in self.history)
 
     @property
     def partitioned(self) -> Shape:

@@ -1,4 +1,4 @@
-"""The whole method in one call: seed, label, optimise (Sec. 4 to 9).
+"""The whole method in one call: seed, label, optimise (Sec. 4 to 9), refine where asked.
 
 How often, and on how fine a version of the shape, is the business of
 :mod:`moseg_core.search.restarts`. Everything that can be wrong with the request is checked before
@@ -21,15 +21,17 @@ from moseg_core.errors import MosegError, UsageError, unknown
 from moseg_core.problem.hierarchy import Hierarchy
 from moseg_core.problem.problem import ORIGINAL, Problem
 from moseg_core.problem.settings import (
-    SEARCH_KINDS,
+    CHOSEN_KINDS,
     ComponentChoice,
     Method,
     SearchOptions,
     SettledOptions,
     check_method,
 )
+from moseg_core.search.beginning import until
 from moseg_core.search.checked_partition import make_partition
 from moseg_core.search.evaluator import ProblemEvaluator
+from moseg_core.search.refinement import ReadyRefiner, Refinement
 from moseg_core.search.restarts import (
     Listener,
     Plan,
@@ -39,7 +41,7 @@ from moseg_core.search.restarts import (
     searched_shape,
     shared_budget,
 )
-from moseg_core.search.result import Result, find_warnings
+from moseg_core.search.result import REFINE, Result, find_warnings
 from moseg_core.search.run import RunOutcome
 from moseg_core.shape.coarse import coarse_pins
 from moseg_core.shape.pins import read_pins
@@ -55,6 +57,7 @@ def segment(
     labeler: ComponentChoice = None,
     optimizer: ComponentChoice = None,
     parameterization: ComponentChoice = None,
+    refiner: ComponentChoice = None,
     start: Centers | Result | None = None,
     freeze: Sequence[str] = (),
     pins: Mapping[str, npt.ArrayLike] | None = None,
@@ -76,6 +79,10 @@ def segment(
     problem : Problem
     seeder, labeler, optimizer, parameterization : str, mapping or Choice, optional
         Components: ``"pattern_search(expansion=2)"``. By default the paper's.
+    refiner : str, mapping or Choice, optional
+        A component that moves boundaries once the search is over: ``"graph_cut(band=0.03)"``. By
+        default the recipe's, or none; ``"none"`` leaves the recipe's out. Labels and cost are then
+        those of the refined labelling, centres those of the partition that the search has found.
     start : Centers or Result, optional
         Go on from these centres, one per label in the problem's order, or as many as the
         parameterization has, instead of seeding.
@@ -137,6 +144,7 @@ def segment(
         seeder=seeder,
         labeler=labeler,
         optimizer=optimizer,
+        refiner=refiner,
         resolution=resolution,
         restarts=restarts,
         finalists=finalists,
@@ -171,7 +179,8 @@ def solve(
     """The same as :func:`segment`, with the options in one piece.
 
     Check the request; embed the shape (Sec. 9), group its elements, and make an evaluator for
-    each of the two; run the starts; partition the input's elements by the best vector found.
+    each of the two; run the starts; partition the input's elements by the best vector found, and
+    refine the boundaries where that is asked for.
     """
     if not isinstance(shape, Shape):
         raise UsageError(f"segment takes a Shape, from moseg.load(path), not {shape!r:.60}")
@@ -183,6 +192,7 @@ def solve(
         check_method(defaults, "defaults")
     settled = options.settled(defaults)
     ready = prepare_components(problem, settled)
+    refiner = ReadyRefiner.of(ready["refiner"]) if "refiner" in ready else None
     n = len(problem.labels)
     settled.check_resolution(n)
     frozen = check_frozen(problem, freeze)
@@ -195,6 +205,8 @@ def solve(
     whole = ProblemEvaluator(embedded, problem, partition, pins=pinned)
     if start_centers is not None:
         _check_counts(start_centers, partition.centers_per_part, problem.labels)
+    if refiner is not None:
+        refiner.check(whole)
     listener = Listener(report or never_stop)
 
     grouped = searched_shape(embedded, settled.resolution, pinned)
@@ -219,11 +231,28 @@ def solve(
         repeats=options.restarts is not None,
     )
     outcomes, best = carry_out(plan, settled.workers, listener)
-    result = _result(shape, plan, settled, ready, outcomes, best, interrupted=listener.stopped)
-    if best.failure is not None:
-        best.failure.result = result
-        raise best.failure
+    found = _labelled(whole, best)
+    if refiner is not None and best.failure is None:
+        found = refiner.refine(
+            whole, found, report=until(deadline, listener), interrupted=listener.stopped
+        )
+    result = _result(
+        shape, plan, settled, ready, outcomes, best, found, interrupted=listener.stopped
+    )
+    failure = best.failure or found.failure
+    if failure is not None:
+        failure.result = result
+        raise failure
     return result
+
+
+def _labelled(whole: ProblemEvaluator, best: RunOutcome) -> Refinement:
+    """The labels of the best vector and their cost, as the search leaves them."""
+    labels = whole.labels(best.vector)
+    try:
+        return Refinement(labels=labels, evaluation=whole.evaluate_labels(labels))
+    except MosegError as error:
+        raise best.failure or error from None  # once more what had ended the run
 
 
 def _result(
@@ -233,6 +262,7 @@ def _result(
     ready: Mapping[Kind, PreparedComponent],
     outcomes: Sequence[RunOutcome],
     best: RunOutcome,
+    found: Refinement,
     *,
     interrupted: bool,
 ) -> Result:
@@ -240,34 +270,34 @@ def _result(
     whole = plan.whole
     problem = whole.problem
     reason = best.reason
-    if interrupted and best.failure is None:
+    if found.failure is not None:
+        reason = "failed"
+    elif interrupted and best.failure is None:
         reason = "interrupted"
     elif "seconds" in (reason, *(outcome.reason for outcome in outcomes)):
         reason = "seconds"
     stopped = reason in ("interrupted", "seconds", "failed")
-    labels = whole.labels(best.vector)
-    segmentation = whole.segmentation(labels).view(shape.space)
-    try:
-        evaluation = whole.evaluate_labels(labels)
-    except MosegError as error:
-        raise best.failure or error from None  # once more what had ended the run
+    segmentation = whole.segmentation(found.labels).view(shape.space)
     warnings = [outcome.warning for outcome in outcomes[:1] if outcome.warning]
-    warnings += find_warnings(evaluation, segmentation, problem.labels, reason)
+    warnings += find_warnings(found.evaluation, segmentation, problem.labels, reason)
     warnings += disagreement(outcomes) if plan.repeats else []
+    warnings += [found.warning] if found.warning else []
     history = dict(best.history)
+    if found.history:
+        history[REFINE] = found.history
     if plan.restarts > 1 and outcomes and (len(outcomes) > 1 or plan.repeats):
         history["restarts"] = tuple(
             {"value": o.cost.value, "empty": o.cost.empty, "finalist": int(o.reason != "paused")}
             for o in outcomes
         )
     chosen: dict[str, str] = {
-        kind: str(Choice(ready[kind].component.id, ready[kind].parameters)) for kind in SEARCH_KINDS
+        kind: str(Choice(ready[kind].component.id, ready[kind].parameters)) for kind in ready
     }
     return Result(
         shape=shape,
         problem=problem,
-        labels=labels,
-        evaluation=evaluation,
+        labels=found.labels,
+        evaluation=found.evaluation,
         centers=whole.parameterization.decode(best.vector),
         history=history,
         method={
@@ -396,6 +426,8 @@ def check_frozen(problem: Problem, freeze: Sequence[str]) -> list[int]:
 def prepare_components(problem: Problem, options: SettledOptions) -> dict[Kind, PreparedComponent]:
     """Find, load and check the components of a run, tuned to the settings.
 
+    There is a refiner among them only where one was asked for.
+
     Parameters
     ----------
     problem : Problem
@@ -407,7 +439,12 @@ def prepare_components(problem: Problem, options: SettledOptions) -> dict[Kind, 
     UsageError, PluginError
         See :func:`moseg_core.components.chosen.prepare`.
     """
-    found = {kind: prepare(getattr(options, kind), kind, problem.registry) for kind in SEARCH_KINDS}
+    chosen = {kind: getattr(options, kind) for kind in CHOSEN_KINDS}
+    found = {
+        kind: prepare(choice, kind, problem.registry)
+        for kind, choice in chosen.items()
+        if choice is not None
+    }
     if options.settings != "default":
         return found
     return {kind: component.tuned("default") for kind, component in found.items()}

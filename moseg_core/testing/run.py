@@ -30,6 +30,7 @@ _MODULES = (
     "seeders",
     "labelers",
     "optimizers",
+    "refiners",
     "constraints",
     "embeddings",
 )

@@ -26,6 +26,7 @@ SHOWN = {
     "labeler": "ByArea",
     "optimizer": "Shrinking",
     "parameterization": "Nearest",
+    "refiner": "Trimmed",
     "constraint": "Centred",
     "embedding": "Gathered",
 }

@@ -83,6 +83,30 @@ def test_under_paper_the_request_keeps_its_parameters_and_the_recipe_its_names()
 
 
 @pytest.mark.parametrize(
+    ("request_", "recipe", "settings", "refiner"),
+    [
+        (None, None, "default", None),
+        (None, "cut(band=2)", "default", "cut(band=2)"),
+        ("other", "cut(band=2)", "default", "other"),
+        ("none", "cut(band=2)", "default", None),
+        (None, "none", "default", None),
+        (None, "cut(band=2)", "paper", None),
+        ("cut(band=2)", None, "paper", "cut(band=2)"),
+    ],
+)
+def test_there_is_a_refiner_only_where_one_is_asked_for(request_, recipe, settings, refiner):
+    options = SearchOptions(refiner=request_, settings=settings)
+    found = options.settled(Method(refiner=recipe)).refiner
+    assert (None if found is None else str(found)) == refiner
+
+
+def test_no_refiner_is_written_down_like_one():
+    stated = Statement(labels=("a",), minimize="narrow(a)", search=Method(refiner="none"))
+    assert stated.document()["refiner"] == "none"
+    assert Statement.read(stated.document()) == stated
+
+
+@pytest.mark.parametrize(
     ("request_", "recipe", "restarts"),
     [
         ({}, {}, 8),

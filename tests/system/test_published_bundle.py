@@ -105,9 +105,11 @@ def test_bundles_of_every_kind_from_wheels_alone(tmp_path):
         "hammer.ply",
         *("--labels", "handle,head", "--seeder", "scattered", "--labeler", "exchange"),
         *("--minimize", "3*slender(handle, ratio=6) + perpendicular(handle, head) + convex_parts"),
-        *("--optimizer", "gaussian_steps(max_evaluations=60)", "-o", "result.json"),
+        *("--optimizer", "gaussian_steps(max_evaluations=60)", "--refiner", "majority"),
+        *("-o", "result.json"),
     )
     result = json.loads((work / "result.json").read_text())
     assert result["terms"][0]["objective"] == "my_objective:slender"
     assert result["method"]["optimizer"].startswith("my_optimizer:gaussian_steps")
+    assert result["method"]["refiner"] == "my_refiner:majority"
     assert set(result["labels"]) == {0, 1}

@@ -83,6 +83,11 @@ SKETCHES: Mapping[str, Sketch] = {
             "moseg segment hammer.ply --recipe mine.toml",
         ),
     ),
+    "refiner": Sketch(
+        component="majority",
+        summary="an element takes the label that most of its neighbours bear; takes teeth off",
+        use=(_SAMPLE, *_WHOLE, "    --refiner 'majority(rounds=5)'"),
+    ),
     "constraint": Sketch(
         component="same_weight",
         summary="same_weight(leg*): centres of one weight, wherever they are",

@@ -30,6 +30,7 @@ from moseg_core.components.discovery.specs import (
     ParameterizationSpec,
     ReaderSpec,
     RecipeSpec,
+    RefinerSpec,
     SeederSpec,
     Spec,
     WriterSpec,
@@ -46,6 +47,7 @@ HOOKS: dict[str, tuple[Kind, type[Spec]]] = {
     "moseg_seeders": ("seeder", SeederSpec),
     "moseg_labelers": ("labeler", LabelerSpec),
     "moseg_optimizers": ("optimizer", OptimizerSpec),
+    "moseg_refiners": ("refiner", RefinerSpec),
     "moseg_constraints": ("constraint", ConstraintSpec),
     "moseg_embeddings": ("embedding", EmbeddingSpec),
     "moseg_recipes": ("recipe", RecipeSpec),
@@ -89,6 +91,11 @@ def moseg_labelers() -> Sequence[LabelerSpec]:  # type: ignore[empty-body]  # a 
 @hookspec
 def moseg_optimizers() -> Sequence[OptimizerSpec]:  # type: ignore[empty-body]  # a declaration
     """Searches over the parameterization's vectors."""
+
+
+@hookspec
+def moseg_refiners() -> Sequence[RefinerSpec]:  # type: ignore[empty-body]  # a declaration
+    """Ways to move the boundaries of what a search has found."""
 
 
 @hookspec

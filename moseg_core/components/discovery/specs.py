@@ -23,6 +23,7 @@ Kind = Literal[
     "seeder",
     "labeler",
     "optimizer",
+    "refiner",
     "constraint",
     "embedding",
     "recipe",
@@ -193,6 +194,12 @@ class OptimizerSpec(Spec):
     """A search: target makes a :class:`~moseg_core.components.protocols.Optimizer`."""
 
     kind = "optimizer"
+
+
+class RefinerSpec(Spec):
+    """A mover of boundaries: target makes a :class:`~moseg_core.components.protocols.Refiner`."""
+
+    kind = "refiner"
 
 
 class ConstraintSpec(Spec):

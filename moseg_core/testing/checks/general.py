@@ -39,6 +39,7 @@ _CALLED: dict[Kind, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "seeder": ((), ()),
     "labeler": ((), ()),
     "optimizer": (("start", "lower", "upper", "scale"), ("rng",)),
+    "refiner": ((), ()),
     "constraint": (("shape", "labels"), ()),
     "embedding": ((), ()),
     "reader": (("path",), ()),
@@ -205,7 +206,7 @@ def _made(subject: Subject) -> Any:
         return optimizer_on(trial)
     if kind == "constraint":
         return next(constraints_on(trial, twin()))[1]
-    evaluates = kind in ("seeder", "labeler")
+    evaluates = kind in ("seeder", "labeler", "refiner")
     return trial.make(meets=(evaluator_on(lump(), 3) if evaluates else lump(),))
 
 
