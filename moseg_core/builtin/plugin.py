@@ -8,6 +8,7 @@ from moseg_core.components.discovery.specs import (
     OptimizerSpec,
     ParameterizationSpec,
     ReaderSpec,
+    RefinerSpec,
     SeederSpec,
     WriterSpec,
 )
@@ -87,6 +88,18 @@ def moseg_optimizers() -> list[OptimizerSpec]:
             name="pattern_search",
             target="moseg_core.builtin.pattern_search:PatternSearch",
             summary="generalized pattern search with complete polls",
+        )
+    ]
+
+
+@hookimpl
+def moseg_refiners() -> list[RefinerSpec]:
+    """The least cut in a band."""
+    return [
+        RefinerSpec(
+            name="graph_cut",
+            target="moseg_core.builtin.graph_cut:GraphCut",
+            summary="the least cut in a band around the boundaries, along creases where there are",
         )
     ]
 

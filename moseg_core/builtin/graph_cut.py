@@ -1,0 +1,180 @@
+"""Boundaries into creases: the least cut in a narrow band around where the search has left them.
+
+People cut a shape along its creases (Hoffman and Richards 1984, doi:10.1016/0010-0277(84)90022-2),
+and straight across where there are none. In a band on both sides of the present boundaries
+(:mod:`moseg_core.builtin.band`) the labels are chosen anew such that what is cut is least, a link
+counting for its length times
+
+    w = clip(1 - crease c, 0.15, 1.5),
+
+``c`` being the concavity along the link, of a field that a bundle brings: a cut along a crease is
+cheap, one along a ridge dear (Katz and Tal 2003, doi:10.1145/882262.882369, who search a band by a
+minimum cut as well). Elements outside of the band keep their labels. On a smooth surface any cut
+that is a little shorter would do, however far away, so that an element pays for another label:
+
+    keep A d / band,
+
+``A`` its area and ``d`` how far it is from the part that it goes to, from 0 to ``band``. All
+lengths are in diagonals of the bounding box. Labels are exchanged by
+:mod:`moseg_core.builtin.swaps`, one pair of parts that touch after another.
+
+Parts stay what they are, whatever is cheaper: the inner half of each keeps its label, and so do
+pinned elements; what would break a part into more pieces than it has is not done.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse import csgraph
+
+from moseg_core.builtin.band import Band
+from moseg_core.builtin.swaps import Energy
+from moseg_core.components.discovery.lookup import Lookup
+from moseg_core.components.field import field_values
+from moseg_core.components.parameters import Interval
+from moseg_core.components.protocols import Evaluator, Progress, Report
+from moseg_core.errors import ShapeError, UsageError
+from moseg_core.shape.links import Links
+from moseg_core.shape.shape import Shape
+from moseg_core.types import FloatArray, Int32Array, IntArray
+
+#: Least and greatest weight of a link for its length.
+_WEIGHTS = (0.15, 1.5)
+#: Most times to go through all pairs of parts; it ends before when nothing changes any more.
+_SWEEPS = 10
+
+
+class GraphCut:
+    """The least cut in a band around the boundaries, along creases where there are some.
+
+    Parameters
+    ----------
+    band : float
+        How far boundaries may move, in diagonals of the bounding box.
+    keep : float
+        How dear it is to move them: per area and distance over ``band``, in diagonals.
+    crease : float
+        How much cheaper a link is for its concavity.
+    field : str or None
+        The field that says how concave the surface is; none for lengths alone.
+    """
+
+    def __init__(
+        self,
+        *,
+        band: Annotated[float, Interval(0, 1)] = 0.03,
+        keep: Annotated[float, Interval(0)] = 1.0,
+        crease: Annotated[float, Interval(0)] = 1.0,
+        field: str | None = "basic:concavity",
+    ) -> None:
+        self.band = band
+        self.keep = keep
+        self.crease = crease
+        self.field = field
+
+    def check(self, evaluator: Evaluator) -> None:
+        """Refuse a shape of which nobody knows what touches, or that lacks the field.
+
+        Raises
+        ------
+        ShapeError
+            No links, or the field needs what the shape does not have.
+        UsageError
+            No installed bundle has the field.
+        """
+        self._weights(evaluator)
+
+    def __call__(self, evaluator: Evaluator, labels: Int32Array, *, report: Report) -> Int32Array:
+        """(F,) int32: the labels, boundaries moved within the band."""
+        shape, n = _own(evaluator.shape), evaluator.parameterization.n_parts
+        if shape.adjacency is None:
+            return labels.copy()
+        weights = self._weights(evaluator)
+        band = Band.of(shape, labels, n, width=self.band, pins=evaluator.pins)
+        energy = Energy(
+            costs=self._costs(shape, band),
+            first=band.first,
+            second=band.second,
+            weights=weights[band.links],
+        )
+        most = count_pieces(shape.links, labels, n)
+        refined = labels.copy()
+
+        def taken(elements: IntArray, swapped: IntArray) -> bool:
+            """Whether elements of the band have got their new labels, no part being broken."""
+            changed = refined.copy()
+            changed[band.elements[elements]] = swapped[elements]
+            if (count_pieces(shape.links, changed, n) > most).any():
+                return False
+            refined[:] = changed
+            return True
+
+        for sweep in range(_SWEEPS):
+            before = refined.copy()
+            for a, b in energy.touching(refined[band.elements]):
+                local = refined[band.elements]
+                swapped = energy.swapped(local, a, b)
+                groups = energy.improvements(local, swapped)
+                if groups and not taken(np.concatenate(groups), swapped):
+                    for elements in groups:
+                        taken(elements, swapped)
+            stop = report(Progress(stage="graph_cut", done=sweep + 1))
+            if stop or (refined == before).all():
+                break
+        return refined
+
+    def _costs(self, shape: Shape, band: Band) -> FloatArray:
+        """(k, n) float: what each element of a band costs under each label; see :class:`Energy`."""
+        allowed = np.isfinite(band.distances)
+        size = shape.frame.scale ** (3 if shape.solid else 2)
+        areas = self.keep / max(self.band, 1e-300) * shape.areas[band.elements] / size
+        costs = areas[:, None] * np.where(allowed, band.distances, 0.0)
+        return np.where(allowed, costs, np.inf)
+
+    def _weights(self, evaluator: Evaluator) -> FloatArray:
+        """(E,) float: what it costs to cut each link of the shape, in diagonals."""
+        shape = _own(evaluator.shape)
+        links = shape.links
+        lengths = links.lengths / shape.frame.scale ** (2 if shape.solid else 1)
+        if self.field is None:
+            return lengths
+        try:
+            values = field_values(shape, self.field, lookup=Lookup(evaluator.problem.registry))
+        except (ShapeError, UsageError) as error:
+            raise type(error)(
+                f"refiner 'graph_cut' goes by the field '{self.field}': {error}; install the bundle"
+                " that it is of, or go by lengths alone with graph_cut(field=none)"
+            ) from error
+        concavity = (values[links.first] + values[links.second]) / 2
+        weights: FloatArray = lengths * np.clip(1 - self.crease * concavity, *_WEIGHTS)
+        return weights
+
+
+def _own(shape: Shape) -> Shape:
+    """The shape as the user gave it, of an embedded one."""
+    return shape if shape.original is None else shape.original
+
+
+def count_pieces(links: Links, labels: Int32Array, n_parts: int) -> IntArray:
+    """(n,) int: in how many connected pieces each part is.
+
+    Examples
+    --------
+    >>> chain = Links(first=np.array([0, 1], np.int32), second=np.array([1, 2], np.int32),
+    ...               lengths=np.ones(2))
+    >>> count_pieces(chain, np.array([0, 1, 0], np.int32), 2).tolist()
+    [2, 1]
+    """
+    whole = labels[links.first] == labels[links.second]
+    first, second = links.first[whole], links.second[whole]
+    graph = sparse.csr_array(
+        (np.ones(len(first), np.int8), (first, second)), shape=(len(labels), len(labels))
+    )
+    count, piece = csgraph.connected_components(graph, directed=False)
+    label_of = np.empty(count, labels.dtype)
+    label_of[piece] = labels
+    pieces: IntArray = np.bincount(label_of, minlength=n_parts)
+    return pieces

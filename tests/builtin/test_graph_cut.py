@@ -1,0 +1,282 @@
+"""Boundaries go into creases nearby, become short elsewhere, and break nothing."""
+
+from __future__ import annotations
+
+import itertools
+import sys
+import types
+
+import numpy as np
+import pytest
+
+from moseg_core.builtin.band import Band
+from moseg_core.builtin.graph_cut import GraphCut, count_pieces
+from moseg_core.builtin.voronoi import Voronoi
+from moseg_core.components.discovery.registry import Bundle, Component, Registry, registry
+from moseg_core.components.discovery.specs import FieldSpec
+from moseg_core.components.objectives import objective
+from moseg_core.components.part import Part
+from moseg_core.components.protocols import Centers, never_stop
+from moseg_core.errors import ShapeError, UsageError
+from moseg_core.problem.problem import Problem
+from moseg_core.search.evaluator import ProblemEvaluator
+from moseg_core.shape.pins import NO_PINS, Pins
+from moseg_core.shape.shape import Shape
+from tests import shapes
+
+AROUND = 24
+
+
+@objective(range=(0, 1e9))
+def area(part: Part) -> float:
+    return part.area
+
+
+def lathe(xs, radii):
+    """A surface of revolution about x: quads, AROUND in each ring, closed by fans at both ends."""
+    angle = 2 * np.pi * np.arange(AROUND) / AROUND
+    rings = [
+        np.stack([np.full(AROUND, x), r * np.cos(angle), r * np.sin(angle)], 1)
+        for x, r in zip(xs, radii, strict=True)
+    ]
+    vertices = np.concatenate([*rings, [[xs[0], 0, 0], [xs[-1], 0, 0]]])
+    n = len(xs)
+    faces = [
+        (k * AROUND + a, k * AROUND + b, (k + 1) * AROUND + b, (k + 1) * AROUND + a)
+        for k in range(n - 1)
+        for a, b in ((a, (a + 1) % AROUND) for a in range(AROUND))
+    ]
+    faces += [(n * AROUND, (a + 1) % AROUND, a) for a in range(AROUND)]
+    last = (n - 1) * AROUND
+    faces += [(n * AROUND + 1, last + a, last + (a + 1) % AROUND) for a in range(AROUND)]
+    return Shape.from_mesh(vertices, faces)
+
+
+def dumbbell(rings=14):
+    """Two spheres of radius 1 that meet in a crease at x = 0, of radius 0.6."""
+    turn = np.linspace(0.15, np.pi - np.arccos(0.8), rings)
+    x, r = -0.8 - np.cos(turn), np.sin(turn)
+    return lathe(np.concatenate([x, -x[-2::-1]]), np.concatenate([r, r[-2::-1]]))
+
+
+def with_fields(monkeypatch, **fields):
+    """A registry in which a bundle 'made' has these functions as fields."""
+    module = types.ModuleType("made_fields")
+    for name, function in fields.items():
+        setattr(module, name, function)
+    monkeypatch.setitem(sys.modules, "made_fields", module)
+    found = tuple(
+        Component("made", "moseg-made 1.0", FieldSpec(name=name, target=f"made_fields:{name}"))
+        for name in fields
+    )
+    return Registry(
+        [*registry().bundles, Bundle("made", "moseg-made", "1.0", "made_fields", found)]
+    )
+
+
+def evaluator_on(shape, n=2, *, pins=NO_PINS, source=None):
+    problem = Problem(list("abcde"[:n]), "area(a)", objectives={"area": area}, registry=source)
+    return ProblemEvaluator(shape, problem, Voronoi(shape, n), pins=pins)
+
+
+def refined(shape, labels, n=2, *, pins=NO_PINS, source=None, report=never_stop, **parameters):
+    cut = GraphCut(**{"field": None, **parameters})
+    evaluator = evaluator_on(shape, n, pins=pins, source=source)
+    cut.check(evaluator)
+    handed = np.array(labels, np.int32)
+    handed.flags.writeable = False
+    return cut(evaluator, handed, report=report)
+
+
+# --- where boundaries go -------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("off", [-0.22, -0.1, 0.1, 0.22])
+def test_a_boundary_beside_the_neck_goes_into_it(off):
+    shape = dumbbell()
+    x, y, _ = shape.points.T
+    neck = (x > 0).astype(np.int32)
+    start = (x > off + 0.08 * y).astype(np.int32)  # askew too
+    assert (start != neck).sum() > AROUND / 2
+    assert (refined(shape, start, band=0.12) == neck).all()
+
+
+def test_a_boundary_out_of_reach_stays_on_its_side():
+    shape = dumbbell()
+    start = (shape.points[:, 0] > 1.0).astype(np.int32)
+    found = refined(shape, start, band=0.05)
+    moved = np.abs(shape.points[found != start, 0] - 1.0)
+    assert moved.max(initial=0.0) < 0.06 * shape.frame.scale
+
+
+def tube():
+    """A tube along x from 0 to 6, on which no place is better than another."""
+    return lathe(np.linspace(0, 6, 61), np.full(61, 0.5))
+
+
+def test_a_crease_is_where_the_field_is_great(monkeypatch):
+    shape = tube()
+    x = shape.points[:, 0]
+    start = (x > 3).astype(np.int32)
+
+    def crease(shape):
+        return (np.abs(shape.points[:, 0] - 3.3) < 0.1).astype(float)
+
+    def ridge(shape):
+        return -3.0 * (np.abs(shape.points[:, 0] - 3.0) < 0.1)
+
+    source = with_fields(monkeypatch, crease=crease, ridge=ridge)
+    into = refined(shape, start, field="made:crease", source=source, band=0.1, keep=0.1)
+    assert (into == (x > 3.3)).all()
+    # A boundary on a ridge goes off it, by two rings: half of the first one's links is on it too.
+    off = refined(shape, start, field="made:ridge", source=source, band=0.1, keep=0.1)
+    gone = np.abs(shape.points[off != start, 0] - 3)
+    assert (off != start).sum() == 2 * AROUND
+    assert gone.max() < 0.2
+    # Dear to move, it stays; and where creases do not count.
+    stay = {"field": "made:crease", "source": source, "band": 0.1}
+    assert (refined(shape, start, keep=1e4, **stay) == start).all()
+    assert (refined(shape, start, keep=0.1, crease=0.0, **stay) == start).all()
+
+
+def test_on_a_smooth_surface_a_boundary_becomes_short_and_does_not_wander():
+    shape = tube()
+    x, y, _ = shape.points.T
+    start = (x > 3 + 0.3 * np.sign(y)).astype(np.int32)
+    found = refined(shape, start, band=0.1, keep=0.1)
+    ring = shape.points[found == 1, 0].min()
+    assert (found == (x >= ring - 1e-9)).all()
+    assert 2.7 <= ring <= 3.4
+    straight = (x > 3).astype(np.int32)
+    assert (refined(shape, straight, band=0.1, keep=0.1) == straight).all()
+
+
+def test_on_few_elements_the_labelling_is_the_best_of_all():
+    vertices, faces = shapes.rectangle(4, 3, 4, 3)
+    shape = Shape.from_mesh(
+        vertices + np.random.default_rng(1).normal(0, 0.15, vertices.shape), faces
+    )
+    labels = np.array([0, 0, 1, 1, 0, 1, 1, 1, 0, 0, 0, 1], np.int32)
+    links, scale = shape.links, shape.frame.scale
+    band = 0.5
+    found = refined(shape, labels, band=band, keep=0.5)
+
+    near = Band.of(shape, labels, 2, width=band, pins=NO_PINS)
+    distances = np.full((12, 2), np.inf)
+    distances[np.arange(12), labels] = 0.0
+    distances[near.elements] = near.distances
+
+    def cost(tried):
+        cut = sum(
+            length / scale
+            for i, j, length in zip(links.first, links.second, links.lengths, strict=True)
+            if tried[i] != tried[j]
+        )
+        kept = sum(
+            0.5 * shape.areas[k] / scale**2 * distances[k, tried[k]] / band
+            for k in range(12)
+            if tried[k] != labels[k]
+        )
+        return cut + kept
+
+    ways = [[k for k in (0, 1) if np.isfinite(d[k])] for d in distances]
+    assert sum(len(way) == 2 for way in ways) >= 5
+    best = min((np.array(tried) for tried in itertools.product(*ways)), key=cost)
+    assert cost(best) < cost(labels)
+    assert cost(found) == pytest.approx(cost(best))
+
+
+# --- what does not break -------------------------------------------------------------------------
+
+
+def test_no_part_is_lost_or_broken_and_pins_hold():
+    shape = Shape.from_mesh(*shapes.jitter(shapes.sphere(3), 3, 0.01))
+    rng = np.random.default_rng(0)
+    for seed in range(4):
+        partition = Voronoi(shape, 5)
+        centers = shape.points[rng.choice(shape.n_elements, 5, replace=False)]
+        vector = partition.encode(Centers(positions=centers, weights=rng.uniform(0.5, 1.5, 5)))
+        labels = partition.labels(vector[None])[0]
+        free = refined(shape, labels, 5, band=0.2)
+        moved = np.flatnonzero(free != labels)
+        assert len(moved) > 20
+        pinned = np.sort(rng.choice(moved, 3, replace=False))
+        pins = Pins(elements=pinned, labels=labels[pinned].astype(np.int64))
+        found = refined(shape, labels, 5, band=0.2, pins=pins)
+        assert (found[pinned] == labels[pinned]).all()
+        for each in (free, found):
+            assert set(each.tolist()) == set(labels.tolist())
+            assert (count_pieces(shape.links, each, 5) == 1).all(), seed
+
+
+def test_a_thin_part_is_not_cut_through():
+    """A bridge of one part between two others is cheap to cut, and stays in one piece."""
+    shape = Shape.from_mesh(*shapes.rectangle(10, 9, 10, 9))
+    x, y, _ = shape.points.T
+    bridge = np.abs(y - 4.5) < 1
+    labels = np.where(bridge | (x < 2) | (x > 8), 0, np.where(y < 4.5, 1, 2)).astype(np.int32)
+    found = refined(shape, labels, 3, band=0.2, keep=0.0)
+    assert (count_pieces(shape.links, found, 3) == 1).all()
+
+
+def test_a_part_of_several_pieces_may_keep_them():
+    shape = tube()
+    x = shape.points[:, 0]
+    labels = ((x > 1) & (x < 2) | (x > 4)).astype(np.int32)
+    found = refined(shape, labels, band=0.02)
+    assert count_pieces(shape.links, found, 2).tolist() == [2, 2]
+
+
+def test_it_ends_when_it_is_told_after_one_time_through():
+    shape = dumbbell()
+    x, y, _ = shape.points.T
+    start = (x > 0.1 + 0.08 * y).astype(np.int32)
+    reports = []
+    found = refined(shape, start, band=0.12, report=lambda p: bool(reports.append(p)) or True)
+    assert [progress.stage for progress in reports] == ["graph_cut"]
+    assert (found != start).any()
+
+
+# --- other shapes, and what is missing -----------------------------------------------------------
+
+
+def test_an_embedded_shape_is_refined_as_the_user_gave_it():
+    shape = dumbbell()
+    x = shape.points[:, 0]
+    bent = shape.deformed(shape.geometry.vertices * [1.0, 5.0, 0.2], space="bent")
+    start = (x > 0.2).astype(np.int32)
+    assert (refined(bent, start, band=0.12) == refined(shape, start, band=0.12)).all()
+
+
+def test_cells_of_a_solid_and_points_with_neighbours_have_boundaries_too():
+    occupied = np.zeros((12, 5, 5), bool)
+    occupied[:5], occupied[7:], occupied[5:7, 2, 2] = True, True, True
+    block = Shape.from_voxels(occupied)
+    start = (block.points[:, 0] > 4.3).astype(np.int32)
+    found = refined(block, start, band=0.2)
+    assert (found != start).any()
+    assert set(block.points[found != start, 0].round(1)) <= {4.5, 5.5}
+    grid = np.stack(np.meshgrid(np.arange(12.0), np.arange(6.0), [0.0]), -1).reshape(-1, 3)
+    cloud = Shape.from_points(grid, adjacency="knn")
+    start = (grid[:, 0] > 5 + (grid[:, 1] == 3)).astype(np.int32)
+    found = refined(cloud, start, band=0.2, keep=3.0)
+    assert (found == (grid[:, 0] > 5)).all()
+
+
+def test_what_is_missing_is_told_with_what_to_do():
+    cloud = Shape.from_points(np.random.default_rng(0).normal(size=(30, 3)))
+    with pytest.raises(ShapeError, match=r"which elements touch; take the nearest"):
+        refined(cloud, np.arange(30) % 2)
+    bare = Registry([bundle for bundle in registry().bundles if bundle.name == "core"])
+    with pytest.raises(UsageError) as caught:
+        refined(dumbbell(), np.zeros(10), field="basic:concavity", source=bare)
+    said = str(caught.value)
+    assert said.startswith("refiner 'graph_cut' goes by the field 'basic:concavity': unknown field")
+    assert "graph_cut(field=none)" in said
+
+
+def test_a_band_of_no_width_moves_nothing():
+    shape = dumbbell()
+    start = (shape.points[:, 0] > 0.2).astype(np.int32)
+    assert (refined(shape, start, band=0.0) == start).all()
+    assert (refined(shape, np.zeros_like(start), 1) == 0).all()
