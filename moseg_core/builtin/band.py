@@ -145,8 +145,8 @@ def _ways(
 def _from_outside(ways: sparse.csr_array, limit: float) -> FloatArray:
     """(size,) float: the shortest way to each element from the outside; infinite beyond a limit."""
     last = ways.shape[0] - 1
-    found: FloatArray = csgraph.dijkstra(ways, indices=last, limit=limit)[:last]
-    return found
+    found: FloatArray = csgraph.dijkstra(ways, directed=True, indices=[last], limit=limit)
+    return found[0, :last]
 
 
 def _outer_half(labels: Int32Array, depth: FloatArray, area: BoolArray, n_parts: int) -> BoolArray:

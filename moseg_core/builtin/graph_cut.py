@@ -24,6 +24,7 @@ pinned elements; what would break a part into more pieces than it has is not don
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Annotated
 
 import numpy as np
@@ -101,26 +102,15 @@ class GraphCut:
             weights=weights[band.links],
         )
         most = count_pieces(shape.links, labels, n)
+
+        def unbroken(changed: Int32Array) -> bool:
+            return bool((count_pieces(shape.links, changed, n) <= most).all())
+
         refined = labels.copy()
-
-        def taken(elements: IntArray, swapped: IntArray) -> bool:
-            """Whether elements of the band have got their new labels, no part being broken."""
-            changed = refined.copy()
-            changed[band.elements[elements]] = swapped[elements]
-            if (count_pieces(shape.links, changed, n) > most).any():
-                return False
-            refined[:] = changed
-            return True
-
         for sweep in range(_SWEEPS):
-            before = refined.copy()
-            for a, b in energy.touching(refined[band.elements]):
-                local = refined[band.elements]
-                swapped = energy.swapped(local, a, b)
-                groups = energy.improvements(local, swapped)
-                if groups and not taken(np.concatenate(groups), swapped):
-                    for elements in groups:
-                        taken(elements, swapped)
+            before = refined
+            for pair in energy.touching(refined[band.elements].astype(np.int64)):
+                refined = _swapped(refined, band, energy, pair, unbroken)
             stop = report(Progress(stage="graph_cut", done=sweep + 1))
             if stop or (refined == before).all():
                 break
@@ -151,6 +141,31 @@ class GraphCut:
         concavity = (values[links.first] + values[links.second]) / 2
         weights: FloatArray = lengths * np.clip(1 - self.crease * concavity, *_WEIGHTS)
         return weights
+
+
+def _swapped(
+    labels: Int32Array,
+    band: Band,
+    energy: Energy,
+    pair: tuple[int, int],
+    unbroken: Callable[[Int32Array], bool],
+) -> Int32Array:
+    """(F,) int32: the elements of two parts divided anew, as far as that breaks no part."""
+    local = labels[band.elements].astype(np.int64)
+    swapped = energy.swapped(local, *pair)
+    groups = energy.improvements(local, swapped)
+
+    def with_changes(before: Int32Array, elements: IntArray) -> Int32Array:
+        after = before.copy()
+        after[band.elements[elements]] = swapped[elements]
+        return after
+
+    if groups and unbroken(after := with_changes(labels, np.concatenate(groups))):
+        return after
+    for elements in groups:
+        if unbroken(after := with_changes(labels, elements)):
+            labels = after
+    return labels
 
 
 def _own(shape: Shape) -> Shape:

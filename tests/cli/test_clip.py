@@ -46,3 +46,10 @@ def test_surfaces_are_clipped_and_labels_are_not(moseg, mallet, tmp_path):
     labels = np.array(json.loads(smooth[0].read_text())["labels"])
     pieces = np.bincount(rows["source"], minlength=shape.n_elements)
     assert (rows["label"] == labels[rows["source"]])[pieces[rows["source"]] == 1].mean() > 0.99
+
+
+def test_refined_boundaries_are_refused_before_the_search(moseg, mallet):
+    run = moseg("segment", mallet, "--recipe", "hammer", "--clip", "--refiner", "graph_cut")
+    assert run.code == 2
+    assert "boundaries that the refiner 'core:graph_cut' of moseg-core" in run.err
+    assert "(--refiner none)" in run.err

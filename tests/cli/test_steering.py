@@ -58,9 +58,50 @@ def test_walk_through(moseg, mallet, tmp_path):
     assert json.loads(run.out)["cost"]["value"] == read(second)["cost"]["value"]
 
 
+CUT = "graph_cut(band=0.1, field=none)"
+FEW = ("--optimizer", "pattern_search(max_evaluations=5)")
+
+
+def test_boundaries_are_refined_and_a_start_goes_on_from_the_centres(moseg, mallet, tmp_path):
+    plain, cut, after = (tmp_path / f"{name}.json" for name in ("plain", "cut", "after"))
+    askew = ("--centers", "handle=-1,0,0,head=1.5,0,0")
+    problem = ("segment", mallet, "--recipe", "hammer", *FEW, *askew)
+    assert moseg(*problem, "-o", plain).code == 0
+    run = moseg(*problem, "--refiner", CUT, "-o", cut)
+    assert run.code == 0, run.err
+    before, found = read(plain), read(cut)
+    assert found["labels"] != before["labels"]
+    assert found["method"]["refiner"] == "core:graph_cut(band=0.1, field=none)"
+    assert found["versions"]["core:graph_cut"].startswith("moseg-core ")
+    values = [record["value"] for record in found["history"]["refine"]]
+    assert values == [before["cost"]["value"], found["cost"]["value"]]
+    frozen = ("--freeze", "handle,head")
+    assert moseg("segment", mallet, "--start", cut, *frozen, "-o", after).code == 0
+    assert read(after)["labels"] == before["labels"]
+    assert "refiner" not in read(after)["method"]
+
+
+def test_a_recipes_refiner_is_left_out_on_request(moseg, mallet, tmp_path):
+    recipe, out = tmp_path / "mine.toml", tmp_path / "out.json"
+    text = moseg("recipes", "hammer").out
+    recipe.write_text(f"{text}\nrefiner = {CUT!r}\n")
+    asked = ("segment", mallet, "--recipe", recipe, *FEW, "-o", out)
+    assert moseg(*asked).code == 0
+    assert "refine" in read(out)["history"]
+    assert moseg(*asked, "--refiner", "none").code == 0
+    assert "refine" not in read(out)["history"]
+
+
 @pytest.mark.parametrize(
     ("words", "says"),
     [
+        (["--recipe", "hammer", "--refiner", "graph_cat"], "did you mean 'graph_cut'"),
+        (["--recipe", "hammer", "--refiner", "graph_cut(bend=1)"], "did you mean 'band'"),
+        (["--recipe", "hammer", "--refiner", "graph_cut(band=2)"], "allowed is 0 to 1"),
+        (
+            ["--recipe", "hammer", "--refiner", "graph_cut(field=creases)"],
+            "goes by the field 'creases': unknown field 'creases'",
+        ),
         (["--recipe", "hammer", "--centers", "handle=0,0,0"], "'head' needs three coordinates"),
         (["--recipe", "hammer", "--centers", "head=90,0,0,handle=0,0,0"], "'head' gets no part"),
         (["--recipe", "hammer", "--seeder", "given"], "parameter 'centers' is missing"),
