@@ -16,7 +16,9 @@ that is a little shorter would do, however far away, so that an element pays for
 
 ``A`` its area and ``d`` how far it is from the part that it goes to, from 0 to ``band``. All
 lengths are in diagonals of the bounding box. Labels are exchanged by
-:mod:`moseg_core.builtin.swaps`, one pair of parts that touch after another.
+:mod:`moseg_core.builtin.swaps`, one pair of parts that touch after another. The defaults were
+chosen on models of the Princeton Segmentation Benchmark: Voronoi partitions come nearer to what
+people say, and one person's segmentation stays as near to the others' as it is.
 
 Parts stay what they are, whatever is cheaper: the inner half of each keeps its label, and so do
 pinned elements; what would break a part into more pieces than it has is not done.
@@ -66,9 +68,9 @@ class GraphCut:
     def __init__(
         self,
         *,
-        band: Annotated[float, Interval(0, 1)] = 0.03,
-        keep: Annotated[float, Interval(0)] = 1.0,
-        crease: Annotated[float, Interval(0)] = 1.0,
+        band: Annotated[float, Interval(0, 1)] = 0.05,
+        keep: Annotated[float, Interval(0)] = 2.0,
+        crease: Annotated[float, Interval(0)] = 2.0,
         field: str | None = "basic:concavity",
     ) -> None:
         self.band = band

@@ -108,7 +108,7 @@ class SearchFlags:
     parameterization
         The family of segmentations to search, such as "voronoi(connected=false)".
     refiner
-        What moves boundaries once the search is over, such as "graph_cut(band=0.03)"; "none" leaves
+        What moves boundaries once the search is over, such as "graph_cut(band=0.08)"; "none" leaves
         the recipe's out.
     restarts
         Number of starts; the best result is kept. They share limits on evaluations and seconds.

@@ -80,7 +80,7 @@ def segment(
     seeder, labeler, optimizer, parameterization : str, mapping or Choice, optional
         Components: ``"pattern_search(expansion=2)"``. By default the paper's.
     refiner : str, mapping or Choice, optional
-        A component that moves boundaries once the search is over: ``"graph_cut(band=0.03)"``. By
+        A component that moves boundaries once the search is over: ``"graph_cut(band=0.08)"``. By
         default the recipe's, or none; ``"none"`` leaves the recipe's out. Labels and cost are then
         those of the refined labelling, centres those of the partition that the search has found.
     start : Centers or Result, optional

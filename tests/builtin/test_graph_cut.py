@@ -126,17 +126,18 @@ def test_a_crease_is_where_the_field_is_great(monkeypatch):
         return -3.0 * (np.abs(shape.points[:, 0] - 3.0) < 0.1)
 
     source = with_fields(monkeypatch, crease=crease, ridge=ridge)
-    into = refined(shape, start, field="made:crease", source=source, band=0.1, keep=0.1)
+    options = {"source": source, "band": 0.1, "crease": 1.0}
+    into = refined(shape, start, field="made:crease", keep=0.1, **options)
     assert (into == (x > 3.3)).all()
     # A boundary on a ridge goes off it, by two rings: half of the first one's links is on it too.
-    off = refined(shape, start, field="made:ridge", source=source, band=0.1, keep=0.1)
+    off = refined(shape, start, field="made:ridge", keep=0.1, **options)
     gone = np.abs(shape.points[off != start, 0] - 3)
     assert (off != start).sum() == 2 * AROUND
     assert gone.max() < 0.2
     # Dear to move, it stays; and where creases do not count.
-    stay = {"field": "made:crease", "source": source, "band": 0.1}
-    assert (refined(shape, start, keep=1e4, **stay) == start).all()
-    assert (refined(shape, start, keep=0.1, crease=0.0, **stay) == start).all()
+    options["field"] = "made:crease"
+    assert (refined(shape, start, keep=1e4, **options) == start).all()
+    assert (refined(shape, start, keep=0.1, **(options | {"crease": 0.0})) == start).all()
 
 
 def test_on_a_smooth_surface_a_boundary_becomes_short_and_does_not_wander():
