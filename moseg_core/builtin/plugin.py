@@ -99,7 +99,7 @@ def moseg_refiners() -> list[RefinerSpec]:
         RefinerSpec(
             name="graph_cut",
             target="moseg_core.builtin.graph_cut:GraphCut",
-            summary="the least cut in a band around the boundaries, along creases where there are",
+            summary="the least cut in a band around the boundaries, along creases if there are any",
         )
     ]
 

@@ -101,6 +101,21 @@ def test_a_boundary_beside_the_neck_goes_into_it(off):
     assert (refined(shape, start, band=0.12) == neck).all()
 
 
+def test_a_crease_is_preferred_to_the_narrower_place_beyond():
+    """A ball on a cone that goes on narrowing: the crease between the two is where people cut."""
+    turn = np.linspace(0.15, np.pi - np.arccos(0.8), 40)
+    xs = np.linspace(0, 2, 41)[1:]
+    shape = lathe(
+        np.concatenate([-0.8 - np.cos(turn), xs]), np.concatenate([np.sin(turn), 0.6 - 0.2 * xs])
+    )
+    x = shape.points[:, 0]
+    start = (x > 0.25).astype(np.int32)
+    creased = refined(shape, start, field="basic:concavity", band=0.12)
+    assert (creased != (x > 0)).sum() <= AROUND  # in the crease, give or take an element
+    narrower = refined(shape, start, band=0.12, keep=0.01)  # by lengths alone
+    assert x[narrower == 1].min() > 0.3
+
+
 def test_a_boundary_out_of_reach_stays_on_its_side():
     shape = dumbbell()
     start = (shape.points[:, 0] > 1.0).astype(np.int32)
