@@ -17,8 +17,10 @@ that is a little shorter would do, however far away, so that an element pays for
 ``A`` its area and ``d`` how far it is from the part that it goes to, from 0 to ``band``. All
 lengths are in diagonals of the bounding box. Labels are exchanged by
 :mod:`moseg_core.builtin.swaps`, one pair of parts that touch after another. The defaults were
-chosen on models of the Princeton Segmentation Benchmark: Voronoi partitions come nearer to what
-people say, and one person's segmentation stays as near to the others' as it is.
+chosen on models of the Princeton Segmentation Benchmark. There they bring Voronoi partitions nearer
+to what people say, on average from 0.157 to 0.128 by 1 - Rand Index, and take one person's own
+segmentation a little away from the others', from 0.100 to 0.104: they are for boundaries that are
+not where they should be.
 
 Parts stay what they are, whatever is cheaper: the inner half of each keeps its label, and so do
 pinned elements; what would break a part into more pieces than it has is not done.
