@@ -109,10 +109,9 @@ class Part:
         centroid: FloatArray = self.moments[1:4] / self.moments[0] + self.shape.frame.center
         return frozen(centroid)
 
-    @property
-    def _principal(self) -> tuple[FloatArray, FloatArray]:
+    def _own(self, rows: list[FloatArray | None]) -> FloatArray:
         self._require_area()
-        found = self._tables.principal[self._index]
+        found = rows[self._index]
         assert found is not None  # the part has an area
         return found
 
@@ -122,7 +121,7 @@ class Part:
 
         Square roots of the eigenvalues of the surface's covariance, exact over each triangle.
         """
-        return self._principal[0]
+        return self._own(self._tables.scales)
 
     @property
     def axes(self) -> FloatArray:
@@ -130,7 +129,7 @@ class Part:
 
         The sign of an axis means nothing, nor do axes whose scales coincide.
         """
-        return self._principal[1]
+        return self._own(self._tables.axes)
 
     @cached_property
     def elements(self) -> IntArray:

@@ -18,7 +18,7 @@ from moseg_core.components.discovery.lookup import Lookup
 from moseg_core.components.field import FieldSummary, field_sums, link_values
 from moseg_core.errors import MosegError
 from moseg_core.shape.shape import Shape
-from moseg_core.types import FloatArray, Int32Array, frozen
+from moseg_core.types import FloatArray, Int32Array, IntArray, frozen
 
 
 class PartTables:
@@ -61,9 +61,8 @@ class PartTables:
         return self._fields[asked]
 
     @cached_property
-    def principal(self) -> list[tuple[FloatArray, FloatArray] | None]:
-        """Of every part the scales, (3,), and axes, (3, 3); None of one without area."""
-        found: list[tuple[FloatArray, FloatArray] | None] = [None] * len(self._areas)
+    def _eigen(self) -> tuple[IntArray, FloatArray, FloatArray]:
+        """Numbers of the parts that have an area, and of their covariances (k, 3) and (k, 3, 3)."""
         some = np.flatnonzero(self._areas > 0)
         mean = self._moments[some, 1:4] / self._areas[some, None]
         second = self._moments[some, 4:10] / self._areas[some, None]
@@ -71,13 +70,28 @@ class PartTables:
         values, vectors = np.linalg.eigh(square - mean[:, :, None] * mean[:, None, :])
         # What the subtraction leaves of a flat part's thickness is rounding, not thickness.
         values[values < 1e-14 * (second[:, 0] + second[:, 3] + second[:, 5])[:, None]] = 0.0
+        return some, values, vectors
+
+    @cached_property
+    def scales(self) -> list[FloatArray | None]:
+        """Of every part the scales, (3,) descending; None of one without area."""
+        some, values, _ = self._eigen
+        return self._by_part(some, np.sqrt(values[:, ::-1]))
+
+    @cached_property
+    def axes(self) -> list[FloatArray | None]:
+        """Of every part the axes, (3, 3), in the order of the scales; None of one without area."""
+        some, _, vectors = self._eigen
         axes = vectors.transpose(0, 2, 1)[:, ::-1]
         largest = np.abs(axes).argmax(axis=2)[:, :, None]
-        axes = axes * np.sign(np.take_along_axis(axes, largest, axis=2))
-        scales = frozen(np.sqrt(values[:, ::-1]))
-        frozen(axes)
+        return self._by_part(some, axes * np.sign(np.take_along_axis(axes, largest, axis=2)))
+
+    def _by_part(self, some: IntArray, rows: FloatArray) -> list[FloatArray | None]:
+        """Rows of some parts, None for the others."""
+        found: list[FloatArray | None] = [None] * len(self._areas)
+        frozen(rows)
         for row, part in enumerate(some.tolist()):
-            found[part] = scales[row], axes[row]
+            found[part] = rows[row]
         return found
 
     def mean_of_all(self, name: str, parameters: dict[str, Any]) -> float:

@@ -218,21 +218,31 @@ class Segmentation:
         return self._tables.boundaries
 
     @cached_property
-    def parts(self) -> tuple[Part, ...]:
-        """One part per label, in label order; parts without elements included."""
-        counts = self.summary.counts.tolist()
-        hashes = self.summary.hashes.tolist()
-        return tuple(
-            Part(
+    def memberships(self) -> tuple[tuple[int, int], ...]:
+        """Of each part the 128-bit hash of its elements' numbers, in label order."""
+        return tuple((first, second) for first, second in self.summary.hashes.tolist())
+
+    @cached_property
+    def _made(self) -> dict[int, Part]:
+        return {}
+
+    def part(self, label: int) -> Part:
+        """The part of one label, made when it is first asked for."""
+        if label not in self._made:
+            self._made[label] = Part(
                 level=self.level,
                 _level_labels=self.level_labels,
-                _index=k,
-                n_elements=counts[k],
-                membership=(hashes[k][0], hashes[k][1]),
-                moments=self.summary.moments[k],
+                _index=label,
+                n_elements=int(self.summary.counts[label]),
+                membership=self.memberships[label],
+                moments=self.summary.moments[label],
                 memo=self.memo,
                 lookup=self.lookup,
                 _tables=self._tables,
             )
-            for k in range(self.n_parts)
-        )
+        return self._made[label]
+
+    @cached_property
+    def parts(self) -> tuple[Part, ...]:
+        """One part per label, in label order; parts without elements included."""
+        return tuple(self.part(label) for label in range(self.n_parts))

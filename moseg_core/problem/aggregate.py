@@ -161,6 +161,8 @@ def empty_parts(terms: Sequence[BoundTerm], segmentation: Segmentation) -> list[
 
 def leaves_out(term: BoundTerm, call: tuple[int, ...], empty: Sequence[bool]) -> bool:
     """Whether a call would receive an empty part, and is therefore left out of the sum."""
+    if True not in empty:  # as nearly always
+        return False
     concerned = range(len(empty)) if term.objective.traits.arity == "global" else call
     return any(empty[k] for k in concerned)
 
@@ -183,18 +185,18 @@ def call_value(
     if leaves_out(term, call, empty):
         return None
     segmentation = segmentation.view(term.space)
-    parts = segmentation.parts
-    level = segmentation.level
-    concerned = range(len(parts)) if term.objective.traits.arity == "global" else call
-    members = tuple(parts[k].membership for k in concerned)
-    key = (term.memo_key, members, *level.key)
+    # Parts are made only where a value is not remembered.
+    known = segmentation.memberships
+    of_all = term.objective.traits.arity == "global"
+    members = known if of_all else tuple([known[k] for k in call])
+    key = (term.memo_key, members, *segmentation.level.key)
 
     def compute() -> float:
         subject: object = segmentation
         if term.objective.traits.arity == "unary":
-            subject = parts[call[0]]
+            subject = segmentation.part(call[0])
         elif term.objective.traits.arity == "nary":
-            subject = tuple(parts[k] for k in call)
+            subject = tuple(segmentation.part(k) for k in call)
         where = f"'{term.term.call}'" + (
             f" for {', '.join(labels[k] for k in call)}" if call else ""
         )
