@@ -152,8 +152,7 @@ class Study:
         ready = prepare_components(
             self.problem, SearchOptions().settled(self.recipe.statement.search)
         )
-        n = len(self.problem.labels)
-        partition = make_partition(ready["parameterization"], self.level, n)
+        partition = make_partition(ready["parameterization"], self.level, self.problem)
         return moseg.ProblemEvaluator(self.level, self.problem, partition)
 
     def search(self, seeder: str, budget: int, seed: int) -> tuple[float, float, int]:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from moseg_core.builtin.genome import Genome
+from moseg_core.builtin.voronoi import Voronoi
 from tests.made_up import STRIP, on_strip
 from tests.reflections import known
 
@@ -45,3 +46,18 @@ def test_a_centre_that_follows_has_no_place_and_is_filled_in_with_its_weight():
     assert found.weights.tolist() == pytest.approx([2.0, 2.0, 0.5])
     roles = dict(zip(genome.labels.tolist(), genome.roles.tolist(), strict=True))
     assert roles[1] != roles[2]
+
+
+def test_of_a_label_with_several_centres_the_first_is_placed():
+    def partition(shape, n):
+        return Voronoi(shape, n, centers="b=2", labels=NAMES)
+
+    for constraints in [], ["mirror(a, c)"]:
+        evaluator = on_strip(
+            names=NAMES, partition=partition, constraints=constraints, registry=known()
+        )
+        genome = Genome.of(evaluator)
+        at = STRIP.points[[1, 3, 6]][genome.labels]
+        found = genome.centers(at, np.ones(len(at)))
+        assert found.positions.shape == (3, 3)
+        assert found.positions[1:, 0].tolist() == pytest.approx([3.5, 6.5])

@@ -209,51 +209,11 @@ def test_pins_count():
     assert found.centers[0, 0] > found.centers[1, 0]
 
 
-class SeveralCenters(Voronoi):
-    """Each part has a second centre of its own, which `encode` puts a little further up."""
-
-    def __init__(self, shape, n_parts):
-        super().__init__(shape, 2 * n_parts)
-        self._parts = n_parts
-
-    @property
-    def n_parts(self):
-        return self._parts
-
-    @property
-    def lower(self):
-        return np.tile([-np.inf, -np.inf, -np.inf, 1e-9], 2 * self._parts)
-
-    @property
-    def upper(self):
-        return np.full(8 * self._parts, np.inf)
-
-    @property
-    def scale(self):
-        return np.ones(8 * self._parts)
-
-    def labels(self, vectors):
-        rows = np.asarray(vectors).reshape(len(vectors), -1, 4)
-        found = Voronoi(self._shape, 2 * self._parts)
-        return found.labels(rows.reshape(len(rows), -1)) % self._parts
-
-    def encode(self, centers):
-        unit = self._shape.frame.to_unit(centers.positions)
-        rows = np.column_stack([unit, centers.weights])
-        return np.concatenate([rows, rows + np.array([0, 0.01, 0, 0])]).reshape(-1)
-
-    def decode(self, vector):
-        rows = vector.reshape(-1, 4)[: self._parts]
-        return Centers(positions=self._shape.frame.to_model(rows[:, :3]), weights=rows[:, 3])
-
-    def permute(self, vector, order):
-        return vector.reshape(2, self._parts, 4)[:, order].reshape(-1)
-
-
-def test_a_partition_with_more_centres_than_labels():
-    problem = Problem(LABELS, TEXT)
-    evaluator = ProblemEvaluator(SHAPE, problem, SeveralCenters(SHAPE, 3))
-    found = seeded(evaluator, labelled=True)
+def test_a_partition_with_several_centres_for_a_label():
+    partition = Voronoi(SHAPE, 3, centers="bar=3", labels=LABELS)
+    evaluator = ProblemEvaluator(SHAPE, Problem(LABELS, TEXT), partition)
+    found = seeded(evaluator)
+    assert found.centers.shape == (3, 3)
     assert cost_of(evaluator, found).value == found.history[-1]["best"]
 
 

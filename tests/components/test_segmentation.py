@@ -110,3 +110,13 @@ def test_parts_share_the_memory_that_they_are_given(tee):
     assert all(part.memo is memo for part in found.parts)
     other = Segmentation.from_labels(tee, np.zeros(46, int), 2)
     assert other.memo is not memo
+
+
+def test_a_part_is_made_once_and_only_when_asked_for(tee):
+    segmentation = Segmentation.from_labels(tee, np.arange(46) % 3, 3)
+    assert segmentation._made == {}
+    second = segmentation.part(1)
+    assert list(segmentation._made) == [1]
+    assert segmentation.parts[1] is second
+    assert [part.membership for part in segmentation.parts] == list(segmentation.memberships)
+    assert [part.n_elements for part in segmentation.parts] == [16, 15, 15]

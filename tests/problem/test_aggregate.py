@@ -219,3 +219,15 @@ def test_the_worst_values_are_known():
     assert [len(term.at_worst) for term in found.terms] == [1, 0, 0, 1, 0]
     left_out = evaluate("worst(p0, p1)", [0] * 8, 2, {"worst": worst})
     assert [call.labels for call in left_out.terms[0].at_worst] == [("p0",)]
+
+
+def test_parts_of_which_all_values_are_remembered_are_not_made():
+    shape = Shape.from_mesh(*shapes.tee())
+    problem = Problem(["a", "b"], "narrow(a) + compact(b) + similar_proportions(a, b)")
+    memo, labels = Memo(), np.arange(shape.n_elements) % 2
+    made = []
+    for _ in range(2):
+        segmentation = Segmentation.from_labels(shape, labels, 2, memo=memo)
+        cost = evaluate_segmentation(problem.terms, problem.labels, segmentation).cost
+        made.append((cost, len(segmentation._made)))
+    assert made == [(made[0][0], 2), (made[0][0], 0)]
