@@ -19,9 +19,9 @@ one.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
@@ -78,6 +78,11 @@ class SizedEvolution:
     UsageError
         Sizes of another kind.
     """
+
+    #: Where there are several starts, these do what relocations do within one.
+    presets: ClassVar[Mapping[str, Mapping[str, Any]]] = {
+        "default": {"population": 30, "generations": 12, "relocations": 0}
+    }
 
     def __init__(
         self,
