@@ -23,6 +23,10 @@ IntArray = npt.NDArray[np.int64]
 LIFT = 1e-6
 """How far from the surface rays begin, in diagonals of the bounding box."""
 
+_MAGNIFIED = 1e5
+"""How many times as large the surface is made for libigl, which takes a triangle for parallel to a
+ray where twice its area, seen along the ray, is less than 1e-6."""
+
 _LOOKS = 5000
 """From how many of the largest elements a look decides for their components."""
 
@@ -84,7 +88,7 @@ class Rays:
     """
 
     def __init__(self, shape: Shape) -> None:
-        self._vertices = np.ascontiguousarray(shape.frame.to_unit(shape.geometry.vertices))
+        self._vertices = _MAGNIFIED * shape.frame.to_unit(shape.geometry.vertices)
         self._triangles = np.ascontiguousarray(shape.geometry.triangles)
         self._unit = shape.frame.scale / shape.box_diagonal
         self._tree = igl.AABB()
@@ -105,11 +109,12 @@ class Rays:
         """
         found = np.full(len(origins), np.inf)
         real = np.flatnonzero(directions.any(axis=1))
-        start = origins[real] + LIFT * directions[real]
+        start = _MAGNIFIED * (origins[real] + LIFT * directions[real])
         triangle, length, _ = self._tree.intersect_ray_first(
             self._vertices, self._triangles, start, np.ascontiguousarray(directions[real])
         )
-        found[real] = np.where(triangle >= 0, (length + LIFT) * self._unit, np.inf)
+        length = length / _MAGNIFIED + LIFT
+        found[real] = np.where(triangle >= 0, length * self._unit, np.inf)
         return found
 
 

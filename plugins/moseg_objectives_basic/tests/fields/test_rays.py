@@ -70,3 +70,18 @@ def test_a_sheet_keeps_the_side_of_its_file(make):
     vertices, faces = make.rectangle(2, 1)
     assert outward_normals(Shape.from_mesh(vertices, faces)).tolist() == [[0, 0, 1]]
     assert outward_normals(Shape.from_mesh(vertices, [faces[0][::-1]])).tolist() == [[0, 0, -1]]
+
+
+def test_rays_meet_triangles_however_small(make):
+    """A speck whose triangles have sides of a hundred-thousandth of the diagonal."""
+    vertices, faces = make.ball(2)
+    speck = vertices * 3e-5 + [1, 0, 0]
+    far = np.array([[-1.0, -0.5, 0], [-1, 0.5, 0], [-1, 0, 0.5]])
+    shape = Shape.from_mesh(
+        np.concatenate([speck, far]),
+        [*faces.tolist(), [len(speck), len(speck) + 1, len(speck) + 2]],
+    )
+    elements = np.arange(len(faces))
+    frames = Frames.of(shape, elements)
+    found = Rays(shape).lengths(frames.origins, -frames.normals) * shape.box_diagonal
+    assert found == pytest.approx(6e-5, rel=0.1)
