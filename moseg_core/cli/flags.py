@@ -61,6 +61,9 @@ class SearchedProblemFlags(ProblemFlags):
 
     Parameters
     ----------
+    parts
+        How many parts there are, for a recipe of any number of parts, by default "any_shape"; or
+        "auto" to have the number found.
     constraint
         What centres must obey: "mirror(leg2, leg1)", "on_plane(body)"; instead of the recipe's.
         Repeatable; "none" leaves the recipe's out.
@@ -68,6 +71,7 @@ class SearchedProblemFlags(ProblemFlags):
         The plane of symmetry: auto, x, y or z, or px,py,pz,nx,ny,nz (a point and the normal).
     """
 
+    parts: str | None = None
     constraint: Repeated = None
     plane: str | None = None
 

@@ -42,6 +42,7 @@ ORIGINAL = "original"
 """The space of a shape as the user gave it."""
 
 _LABEL = re.compile(r"\w+\Z", re.ASCII)
+_OPEN_LABEL = re.compile(r"\w*[A-Za-z_]\*\Z", re.ASCII)
 
 
 class Problem:
@@ -368,8 +369,14 @@ class Problem:
         return evaluate_segmentation(self.terms, self.labels, segmentation)
 
 
-def check_label_names(labels: Sequence[str]) -> tuple[str, ...]:
+def check_label_names(labels: Sequence[str], *, may_be_open: bool = False) -> tuple[str, ...]:
     """The labels as a tuple, or a UsageError that says which is malformed or repeated.
+
+    Parameters
+    ----------
+    labels : sequence of str
+    may_be_open : bool
+        Whether one label may end with ``*``, for a number of parts that is still to be said.
 
     Examples
     --------
@@ -386,7 +393,15 @@ def check_label_names(labels: Sequence[str]) -> tuple[str, ...]:
     if not names:
         raise UsageError("a problem needs at least one label")
     for name in names:
-        if not isinstance(name, str) or not _LABEL.match(name):
+        if isinstance(name, str) and _OPEN_LABEL.match(name):
+            if not may_be_open:
+                raise UsageError(
+                    f"label '{name}' stands for any number of parts; say how many there are"
+                    f" altogether: --parts 5"
+                )
+            if any(other != name and "*" in str(other) for other in names):
+                raise UsageError(f"one label may end with '*', not several: {', '.join(names)}")
+        elif not isinstance(name, str) or not _LABEL.match(name):
             raise UsageError(
                 f"label {name!r} is not allowed; labels are made of letters, digits and '_'"
             )

@@ -28,6 +28,9 @@ a name (:mod:`moseg_core.problem.hierarchy`). They are given for labels and glob
     [parts."leg*"]
     recipe = "./leg.toml"                   # or the name of an installed one
 
+A recipe for any number of parts has one label with a star, ``labels = ["part*"]``; who uses it says
+how many there are (``--parts 5``).
+
 Bundles bring recipes through the hook ``moseg_recipes``; anybody else gives a path. A bundle's
 recipe means components that its authors knew: the bundle's own, and those of the distributions that
 its own one requires.
@@ -243,7 +246,7 @@ def _read(table: Mapping[str, Any], name: str, library: _Library) -> Recipe:
     nested = table.get("parts", {})
     try:
         statement = Statement.read({key: table[key] for key in KEYS if key in table})
-        check_label_names(statement.labels)
+        check_label_names(statement.labels, may_be_open=True)
         if not isinstance(nested, dict):
             raise UsageError(f"'parts' must be tables such as [parts.head]; it is {nested!r}")
         expand_parts(nested.items(), statement.labels)

@@ -8,6 +8,9 @@ recipe (:mod:`moseg_core.problem.recipe`), from a result (:mod:`moseg_core.io.re
 the command line (:mod:`moseg_core.cli.request`), and written to each of them. Two statements that
 are equal ask for the same, and :meth:`Statement.digest` tells in a few characters whether they do.
 
+A statement may be *open*: one of its labels, ``part*``, stands for as many as whoever asks wants
+(:meth:`Statement.with_parts`).
+
 No name is looked up here: that is what a :class:`~moseg_core.problem.problem.Problem` is made for,
 and so a statement can be read, shown and compared where its bundles are not installed.
 """
@@ -38,6 +41,7 @@ class Statement:
     Parameters
     ----------
     labels : tuple of str
+        Names of the parts; one may end with ``*`` (see :attr:`is_open`).
     minimize : str
         The aggregate objective.
     constraints : tuple of str
@@ -122,6 +126,46 @@ class Statement:
             said[key] = _written(value) if isinstance(value, Choice) else value
         said["parts"] = {label: part.document() for label, part in self.parts}
         return {key: value for key, value in said.items() if value or key in ("labels", "minimize")}
+
+    @property
+    def is_open(self) -> bool:
+        """Whether the number of parts is still to be said."""
+        return any("*" in label for label in self.labels)
+
+    def with_parts(self, count: int) -> Statement:
+        """The same for a certain number of parts, the open label numbered from 1.
+
+        Parameters
+        ----------
+        count : int
+            Of all parts together.
+
+        Raises
+        ------
+        UsageError
+            The number of parts is fixed, or there are too few for the other labels.
+
+        Examples
+        --------
+        >>> Statement(labels=("body", "leg*"), minimize="narrow(leg*)").with_parts(4).labels
+        ('body', 'leg1', 'leg2', 'leg3')
+        """
+        if not self.is_open:
+            raise UsageError(
+                f"the number of parts is fixed by the labels {', '.join(self.labels)}; leave out"
+                f" --parts, or give one label with a star, such as part*"
+            )
+        numbered = count - len(self.labels) + 1
+        if numbered < 1:
+            raise UsageError(
+                f"{count} parts are too few for the labels {', '.join(self.labels)}; give"
+                f" {len(self.labels)} or more"
+            )
+        labels: list[str] = []
+        for label in self.labels:
+            stem = label.replace("*", "")
+            labels += [f"{stem}{k + 1}" for k in range(numbered)] if "*" in label else [label]
+        return replace(self, labels=tuple(labels))
 
     def digest(self) -> str:
         """Sixteen hexadecimal digits that equal statements share."""
