@@ -85,6 +85,7 @@ from moseg_core.search.evaluator import ProblemEvaluator as ProblemEvaluator
 from moseg_core.search.levels import check_hierarchy as check_hierarchy
 from moseg_core.search.levels import refine as refine
 from moseg_core.search.levels import segment_hierarchy as segment_hierarchy
+from moseg_core.search.number_of_parts import segment_parts as segment_parts
 from moseg_core.search.result import Result as Result
 from moseg_core.search.segment import segment as segment
 from moseg_core.search.workers import Workers as Workers

@@ -24,6 +24,7 @@ from moseg_core.problem.hierarchy import Hierarchy
 from moseg_core.problem.recipe import load_recipe
 from moseg_core.problem.settings import SearchOptions
 from moseg_core.problem.statement import Statement
+from moseg_core.search.number_of_parts import ANY_SHAPE, numbers_to_try
 from moseg_core.search.workers import available_workers
 
 
@@ -40,14 +41,18 @@ def read_task(flags: ProblemFlags, *, start: SavedResult | None = None) -> Hiera
     -------
     Hierarchy
         Of one level where the recipe gives no problems for parts. The other options replace what
-        the recipe says of the first level.
+        the recipe says of the first level. Where the number of parts is open, it is that of the
+        first number that is to be tried.
 
     Raises
     ------
     UsageError
         Nothing says what the labels or the expression are, or anything is wrong in them.
     """
-    task = Hierarchy.of(read_statement(flags, start=start))
+    statement = read_statement(flags, start=start)
+    if isinstance(flags, SearchedProblemFlags) and flags.parts is not None:
+        statement = statement.with_parts(numbers_to_try(statement, flags.parts)[0])
+    task = Hierarchy.of(statement)
     plane = getattr(flags, "plane", None)
     if plane is not None and not any(
         "plane" in bound.parameters for bound in task.problem.bound_constraints
@@ -86,6 +91,11 @@ def read_statement(flags: ProblemFlags, *, start: SavedResult | None = None) -> 
             changes["plane"] = flags.plane
     if flags.recipe is not None:
         return replace(load_recipe(flags.recipe).statement, **changes)
+    if isinstance(flags, SearchedProblemFlags) and flags.parts is not None:
+        if start is not None:
+            raise UsageError("--start brings its own labels; leave out --parts")
+        if "labels" not in changes or "minimize" not in changes:
+            return replace(load_recipe(ANY_SHAPE).statement, **changes)
     if start is not None:
         meaning = meant_by_result(start.versions, registry())
         return replace(statement_in_full(start.statement, meaning, leave=changes), **changes)

@@ -15,7 +15,13 @@ from moseg_core.cli.console import console, message, print_json, progress_report
 from moseg_core.cli.flags import SearchedProblemFlags, SearchFlags, ShapeFlags, SteeringFlags
 from moseg_core.cli.interrupt import stop_on_interrupt
 from moseg_core.cli.reading import read_shape
-from moseg_core.cli.request import read_pins, read_search, read_start, read_task
+from moseg_core.cli.request import (
+    read_pins,
+    read_search,
+    read_start,
+    read_statement,
+    read_task,
+)
 from moseg_core.clipping.clip import check_clippable
 from moseg_core.errors import MosegError, UsageError
 from moseg_core.io.files import check_output, save
@@ -24,6 +30,7 @@ from moseg_core.io.write.formats import check_writable
 from moseg_core.problem.slow_calls import naming_slow_calls
 from moseg_core.search.clipped_result import check_components, clip
 from moseg_core.search.levels import check_hierarchy, solve_hierarchy
+from moseg_core.search.number_of_parts import solve_parts
 from moseg_core.search.result import Result
 from moseg_core.search.segment import check_frozen, matched_centers, prepare_components
 
@@ -49,6 +56,8 @@ def run_segment(
     """
     if steering.start is not None and steering.centers is not None:
         raise UsageError("--start and --centers both say where to begin; give one of them")
+    if problem_flags.parts is not None:
+        _check_unsteered(steering)
     earlier = read_start(steering.start)
     task = read_task(problem_flags, start=earlier)
     problem = task.problem
@@ -93,15 +102,24 @@ def run_segment(
         naming_slow_calls(partial(_report_slow_call, quiet=quiet), after=PATIENCE),
     ):
         try:
-            result = solve_hierarchy(
-                shape,
-                task,
-                options,
-                start=start_centers,
-                freeze=frozen,
-                pins=pinned,
-                report=lambda progress: show(progress) or stop(),
-            )
+            if problem_flags.parts is not None:
+                result = solve_parts(
+                    shape,
+                    read_statement(problem_flags),
+                    problem_flags.parts,
+                    options,
+                    report=lambda progress: show(progress) or stop(),
+                )
+            else:
+                result = solve_hierarchy(
+                    shape,
+                    task,
+                    options,
+                    start=start_centers,
+                    freeze=frozen,
+                    pins=pinned,
+                    report=lambda progress: show(progress) or stop(),
+                )
         except MosegError as error:
             if error.result is None or not outputs:
                 raise
@@ -126,6 +144,21 @@ def run_segment(
         raise failure
     if result.reason == "interrupted":
         raise KeyboardInterrupt
+
+
+def _check_unsteered(steering: SteeringFlags) -> None:
+    """Refuse what speaks of single labels where these get their numbers after the search."""
+    for option, given in (
+        ("--centers", steering.centers),
+        ("--start", steering.start),
+        ("--pin", steering.pin),
+        ("--freeze", steering.freeze),
+    ):
+        if given:
+            raise UsageError(
+                f"{option} speaks of single labels, but with --parts these get their numbers at the"
+                f" end, by size; give --labels and --minimize, or a recipe with fixed labels"
+            )
 
 
 def _report_slow_call(what: str, seconds: float, *, quiet: bool) -> None:
