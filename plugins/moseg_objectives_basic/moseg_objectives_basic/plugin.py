@@ -164,6 +164,21 @@ def moseg_objectives() -> list[ObjectiveSpec]:
             summary="all parts: their boundaries are short together",
         ),
         ObjectiveSpec(
+            name="separate",
+            target=f"{_PACKAGE}.seams:separate",
+            summary="one part: joined to the rest along a short line, in creases",
+        ),
+        ObjectiveSpec(
+            name="separate_parts",
+            target=f"{_PACKAGE}.seams:separate_parts",
+            summary="all parts: joined along short lines, in creases",
+        ),
+        ObjectiveSpec(
+            name="even_parts",
+            target=f"{_PACKAGE}.girth:even_parts",
+            summary="all parts: each as thick everywhere",
+        ),
+        ObjectiveSpec(
             name="creased_boundaries",
             target=f"{_PACKAGE}.seams:creased_boundaries",
             summary="all parts: their boundaries lie in creases",
@@ -214,6 +229,13 @@ def moseg_fields() -> list[FieldSpec]:
             name="thickness",
             target=f"{_PACKAGE}.fields.thickness:thickness",
             summary="how far it is to the other side, in diagonals of the shape",
+            requires=("surface",),
+            invariant_to=("rigid", "scale", "reflection", "order", "tessellation"),
+        ),
+        FieldSpec(
+            name="log_thickness",
+            target=f"{_PACKAGE}.fields.thickness:log_thickness",
+            summary="the logarithm of the thickness",
             requires=("surface",),
             invariant_to=("rigid", "scale", "reflection", "order", "tessellation"),
         ),

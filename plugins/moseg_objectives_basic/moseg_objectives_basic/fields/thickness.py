@@ -23,7 +23,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.spatial import cKDTree
 
-from moseg_core import Shape
+from moseg_core import Shape, field_values
 from moseg_objectives_basic.fields.places import Places
 from moseg_objectives_basic.fields.rays import Frames, Rays, outsides
 
@@ -102,3 +102,18 @@ def _filled(points: FloatArray, values: FloatArray) -> FloatArray:
     filled = values.copy()
     filled[~known] = values[known][nearest]
     return filled
+
+
+def log_thickness(shape: Shape) -> FloatArray:
+    """The natural logarithm of :func:`thickness`, in which ratios are differences.
+
+    Parameters
+    ----------
+    shape : Shape
+
+    Returns
+    -------
+    (F,) float
+    """
+    logarithm: FloatArray = np.log(field_values(shape, "basic:thickness"))
+    return logarithm
