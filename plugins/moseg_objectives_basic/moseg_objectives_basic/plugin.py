@@ -284,6 +284,11 @@ def moseg_recipes() -> list[RecipeSpec]:
             summary="a four-legged animal: head, body, four legs",
         ),
         RecipeSpec(
+            name="any_shape",
+            target=f"{_PACKAGE}.recipes:ANY_SHAPE",
+            summary="any number of parts of any shape: short boundaries in creases, even thickness",
+        ),
+        RecipeSpec(
             name="symmetry_then_convex",
             target=f"{_PACKAGE}.recipes:SYMMETRY_THEN_CONVEX",
             summary="on two levels: symmetric parts, then convex pieces of them",

@@ -9,3 +9,4 @@ HORSE = files(__name__).joinpath("horse.toml").read_text(encoding="utf-8")
 SYMMETRY_THEN_CONVEX = (
     files(__name__).joinpath("symmetry_then_convex.toml").read_text(encoding="utf-8")
 )
+ANY_SHAPE = files(__name__).joinpath("any_shape.toml").read_text(encoding="utf-8")
