@@ -5,9 +5,9 @@ the parts of any shape are like: joined along short lines in creases, each as th
 :func:`segment_parts` takes it at the number that is asked for. Nothing tells its labels apart, so
 that they are numbered from the largest part to the smallest.
 
-Where no number is asked for, each from 2 to a most is tried, and the one is taken whose cost, plus
-a price for every part, is least. The recipe's cost is a mean over parts, and so comparable between
-numbers of them; without a price more parts are seldom worse.
+Where no number is asked for, each from 2 to a most is tried, and the one with the least cost is
+taken. So a recipe for any number of parts should have a cost that compares between numbers of them:
+a mean over parts, or over the area, no sum over parts.
 """
 
 from __future__ import annotations
@@ -37,11 +37,8 @@ ANY_SHAPE = "basic:any_shape"
 AUTO = "auto"
 """Said in place of a number that is to be found."""
 
-MOST = 10
+MOST = 12
 """The greatest number of parts that is tried."""
-
-PRICE = 0.02
-"""What a part costs beside the recipe's terms, where the number is to be found."""
 
 
 def segment_parts(
@@ -58,7 +55,7 @@ def segment_parts(
     ----------
     shape : Shape
     n_parts : int or "auto"
-        How many there are altogether; "auto" tries every number up to 10.
+        How many there are altogether; "auto" tries every number from 2 to 12.
     recipe : str or Recipe
         One that leaves the number of parts open.
     report : callable, optional
@@ -162,19 +159,13 @@ def solve_parts(
         found.append(solve_hierarchy(shape, task, options, report=listen))
         if stopped:
             break
-    best = min(found, key=lambda result: (result.evaluation.cost.empty, priced(result)))
+    best = min(found, key=lambda result: result.evaluation.cost)
     if len(tried) > 1:
         records = tuple(
-            {"parts": len(result.problem.labels), "cost": result.cost, "priced": priced(result)}
-            for result in found
+            {"parts": len(result.problem.labels), "cost": result.cost} for result in found
         )
         best = replace(best, history={**best.history, "number of parts": records})
     return numbered_by_size(best, statement)
-
-
-def priced(result: Result) -> float:
-    """The cost of a result, with a price for every part."""
-    return result.cost + PRICE * len(result.problem.labels)
 
 
 def numbered_by_size(result: Result, statement: Statement) -> Result:
