@@ -11,8 +11,7 @@ checked when the two meet, and before the search.
 from __future__ import annotations
 
 import math
-import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import Any
@@ -34,15 +33,12 @@ from moseg_core.problem.aggregate import Evaluation, evaluate_segmentation
 from moseg_core.problem.binding import BoundTerm, bind
 from moseg_core.problem.constraint_calls import bind_constraints
 from moseg_core.problem.constraints import Constraints
-from moseg_core.problem.statement import Statement
+from moseg_core.problem.statement import Statement, check_label_names
 from moseg_core.shape.shape import Shape
 from moseg_core.types import FloatArray
 
 ORIGINAL = "original"
 """The space of a shape as the user gave it."""
-
-_LABEL = re.compile(r"\w+\Z", re.ASCII)
-_OPEN_LABEL = re.compile(r"\w*[A-Za-z_]\*\Z", re.ASCII)
 
 
 class Problem:
@@ -367,47 +363,6 @@ class Problem:
             shape, labels, len(self.labels), memo=memo, lookup=Lookup(self.registry)
         )
         return evaluate_segmentation(self.terms, self.labels, segmentation)
-
-
-def check_label_names(labels: Sequence[str], *, may_be_open: bool = False) -> tuple[str, ...]:
-    """The labels as a tuple, or a UsageError that says which is malformed or repeated.
-
-    Parameters
-    ----------
-    labels : sequence of str
-    may_be_open : bool
-        Whether one label may end with ``*``, for a number of parts that is still to be said.
-
-    Examples
-    --------
-    >>> check_label_names(["a", "b", "a"])
-    Traceback (most recent call last):
-        ...
-    moseg_core.errors.UsageError: label 'a' is given twice; labels are distinct names
-    """
-    if isinstance(labels, str):
-        raise UsageError(f"labels must be a list of names, not the text '{labels}'")
-    if not isinstance(labels, Iterable):
-        raise UsageError(f"labels must be a list of names, not {labels!r}")
-    names = tuple(labels)
-    if not names:
-        raise UsageError("a problem needs at least one label")
-    for name in names:
-        if isinstance(name, str) and _OPEN_LABEL.match(name):
-            if not may_be_open:
-                raise UsageError(
-                    f"label '{name}' stands for any number of parts; say how many there are"
-                    f" altogether: --parts 5"
-                )
-            if any(other != name and "*" in str(other) for other in names):
-                raise UsageError(f"one label may end with '*', not several: {', '.join(names)}")
-        elif not isinstance(name, str) or not _LABEL.match(name):
-            raise UsageError(
-                f"label {name!r} is not allowed; labels are made of letters, digits and '_'"
-            )
-        if names.count(name) > 1:
-            raise UsageError(f"label '{name}' is given twice; labels are distinct names")
-    return names
 
 
 def _as_objective(name: str, given: Objective | Callable[..., float]) -> Objective:

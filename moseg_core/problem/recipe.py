@@ -29,7 +29,7 @@ a name (:mod:`moseg_core.problem.hierarchy`). They are given for labels and glob
     recipe = "./leg.toml"                   # or the name of an installed one
 
 A recipe for any number of parts has one label with a star, ``labels = ["part*"]``; who uses it says
-how many there are (``--parts 5``).
+how many there are (``--parts 5``, :func:`moseg_core.segment_parts`).
 
 Bundles bring recipes through the hook ``moseg_recipes``; anybody else gives a path. A bundle's
 recipe means components that its authors knew: the bundle's own, and those of the distributions that
@@ -49,8 +49,8 @@ from moseg_core.components.discovery.registry import Registry, registry
 from moseg_core.errors import REPORT, PluginError, UsageError, unknown
 from moseg_core.problem.full_names import meant_by_bundle, statement_in_full
 from moseg_core.problem.hierarchy import Hierarchy, expand_parts
-from moseg_core.problem.problem import Problem, check_label_names
-from moseg_core.problem.statement import KEYS, SEPARATOR, Statement, joined
+from moseg_core.problem.problem import Problem
+from moseg_core.problem.statement import KEYS, SEPARATOR, Statement, check_label_names, joined
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -256,6 +256,12 @@ def _read(table: Mapping[str, Any], name: str, library: _Library) -> Recipe:
         (key, _read_part(part, joined(name, key), library).statement)
         for key, part in nested.items()
     ]
+    for key, part in read:
+        if part.is_open:
+            raise UsageError(
+                f"recipe '{joined(name, key)}' leaves the number of parts open"
+                f" ({', '.join(part.labels)}), which only the recipe of the whole may; list them"
+            )
     parts = tuple(expand_parts(read, statement.labels).items())
     return Recipe(name=name, statement=replace(statement, parts=parts), description=description)
 

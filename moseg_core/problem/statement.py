@@ -19,13 +19,18 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterator, Mapping
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 from moseg_core.components.chosen import Choice
 from moseg_core.errors import UsageError, unknown
 from moseg_core.problem.settings import RECIPE_OPTIONS, Method, check_method
+
+_LABEL = re.compile(r"\w+\Z", re.ASCII)
+# A digit before the star would run into the numbers: leg2* would be leg21, leg22 and so on.
+_OPEN_LABEL = re.compile(r"\w*[A-Za-z_]\*\Z", re.ASCII)
 
 SEPARATOR = "/"
 """Between the labels of a path; no label contains it."""
@@ -143,29 +148,33 @@ class Statement:
         Raises
         ------
         UsageError
-            The number of parts is fixed, or there are too few for the other labels.
+            The number of parts is fixed, there are too few for the labels, or these are malformed.
 
         Examples
         --------
         >>> Statement(labels=("body", "leg*"), minimize="narrow(leg*)").with_parts(4).labels
         ('body', 'leg1', 'leg2', 'leg3')
         """
+        labels = check_label_names(self.labels, may_be_open=True)
         if not self.is_open:
             raise UsageError(
-                f"the number of parts is fixed by the labels {', '.join(self.labels)}; leave out"
-                f" --parts, or give one label with a star, such as part*"
+                f"the number of parts is fixed by the labels {', '.join(labels)}; do not say how"
+                f" many there are, or give one label with a star, such as part*"
             )
-        numbered = count - len(self.labels) + 1
+        numbered = count - len(labels) + 1
         if numbered < 1:
             raise UsageError(
-                f"{count} parts are too few for the labels {', '.join(self.labels)}; give"
-                f" {len(self.labels)} or more"
+                f"{count} parts are too few for the labels {', '.join(labels)}; give"
+                f" {len(labels)} or more"
             )
-        labels: list[str] = []
-        for label in self.labels:
-            stem = label.replace("*", "")
-            labels += [f"{stem}{k + 1}" for k in range(numbered)] if "*" in label else [label]
-        return replace(self, labels=tuple(labels))
+        several = {
+            label: [f"{label[:-1]}{k + 1}" for k in range(numbered)]
+            for label in labels
+            if label.endswith("*")
+        }
+        return replace(
+            self, labels=tuple(name for label in labels for name in several.get(label, [label]))
+        )
 
     def digest(self) -> str:
         """Sixteen hexadecimal digits that equal statements share."""
@@ -181,6 +190,47 @@ class Statement:
     def alone(self) -> Statement:
         """The first level, without its parts."""
         return replace(self, parts=())
+
+
+def check_label_names(labels: Sequence[str], *, may_be_open: bool = False) -> tuple[str, ...]:
+    """The labels as a tuple, or a UsageError that says which is malformed or repeated.
+
+    Parameters
+    ----------
+    labels : sequence of str
+    may_be_open : bool
+        Whether one label may end with ``*``, for a number of parts that is still to be said.
+
+    Examples
+    --------
+    >>> check_label_names(["a", "b", "a"])
+    Traceback (most recent call last):
+        ...
+    moseg_core.errors.UsageError: label 'a' is given twice; labels are distinct names
+    """
+    if isinstance(labels, str):
+        raise UsageError(f"labels must be a list of names, not the text '{labels}'")
+    if not isinstance(labels, Iterable):
+        raise UsageError(f"labels must be a list of names, not {labels!r}")
+    names = tuple(labels)
+    if not names:
+        raise UsageError("a problem needs at least one label")
+    for name in names:
+        is_open = isinstance(name, str) and _OPEN_LABEL.match(name)
+        if not is_open and not (isinstance(name, str) and _LABEL.match(name)):
+            raise UsageError(
+                f"label {name!r} is not allowed; labels are made of letters, digits and '_'"
+            )
+        if is_open and not may_be_open:
+            raise UsageError(
+                f"label '{name}' stands for any number of parts; say how many there are"
+                f" altogether: --parts 5, or segment_parts(shape, 5) in Python"
+            )
+        if names.count(name) > 1:
+            raise UsageError(f"label '{name}' is given twice; labels are distinct names")
+    if sum(name.endswith("*") for name in names) > 1:
+        raise UsageError(f"one label may end with '*', not several: {', '.join(names)}")
+    return names
 
 
 def joined(path: str, label: str) -> str:

@@ -24,7 +24,7 @@ from moseg_core.components.part import Part
 from moseg_core.components.segmentation import Segmentation
 from moseg_core.errors import ExpressionError, PluginError, ShapeError, UsageError
 from moseg_core.language import Target, parse
-from moseg_core.problem.problem import Problem, check_label_names
+from moseg_core.problem.problem import Problem
 from moseg_core.problem.statement import Statement
 from moseg_core.shape.shape import Shape
 from tests import shapes
@@ -83,7 +83,12 @@ def problem(labels: str, minimize: str, **more) -> Problem:
         (["a", "b", "a"], "label 'a' is given twice; labels are distinct names"),
         (["a", ""], "label '' is not allowed; labels are made of letters, digits and '_'"),
         (["a b"], "label 'a b' is not allowed; labels are made of letters, digits and '_'"),
-        (["leg*"], "label 'leg*' is not allowed; labels are made of letters, digits and '_'"),
+        (["*"], "label '*' is not allowed; labels are made of letters, digits and '_'"),
+        (
+            ["leg*"],
+            "label 'leg*' stands for any number of parts; say how many there are altogether:"
+            " --parts 5, or segment_parts(shape, 5) in Python",
+        ),
         (["a\n"], "label 'a\\n' is not allowed; labels are made of letters, digits and '_'"),
         (["tête"], "label 'tête' is not allowed; labels are made of letters, digits and '_'"),
         ([3], "label 3 is not allowed; labels are made of letters, digits and '_'"),
@@ -103,25 +108,6 @@ def test_labels_are_distinct_names(labels, message):
 def test_what_is_no_list_of_labels_is_refused(labels):
     with pytest.raises(UsageError, match="labels must be a list of names"):
         Problem(labels, "size(a)", objectives=OWN, registry=NONE)
-
-
-@pytest.mark.parametrize("labels", [["a"], ("leg1", "leg2"), ["3", "_", "E"], np.array(["x", "y"])])
-def test_labels_keep_their_order(labels):
-    assert check_label_names(labels) == tuple(labels)
-
-
-@given(st.lists(st.text()))
-def test_any_labels_are_taken_as_they_are_or_refused(labels):
-    try:
-        names = check_label_names(labels)
-    except UsageError:
-        return
-    assert names == tuple(labels)
-    assert len(set(names)) == len(names) > 0
-    # Whatever is allowed as a label can be written in an expression.
-    assert [argument.pattern for argument in parse(f"f({','.join(names)})").terms[0].arguments] == (
-        labels
-    )
 
 
 # --- what is minimised

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from moseg_core.components.chosen import Choice, prepare
 from moseg_core.components.discovery.registry import Bundle, Component, Registry, registry
 from moseg_core.components.discovery.specs import ObjectiveSpec
 from moseg_core.errors import ExpressionError, MosegError, PluginError, UsageError
+from moseg_core.problem.hierarchy import Hierarchy
 from moseg_core.problem.problem import Problem
 from moseg_core.problem.recipe import Recipe, load_recipe, parse_recipe
 from moseg_core.problem.settings import Method, SearchOptions
@@ -85,7 +88,7 @@ def test_malformed_recipes(text, message):
         'labels = []\nminimize = "f"',
         'labels = ["a", "a"]\nminimize = "f"',
         'labels = ["a", 3]\nminimize = "f"',
-        'labels = ["leg*"]\nminimize = "f"',
+        'labels = ["leg*", "arm*"]\nminimize = "f"',
         f"{LEAST}seeder = 3",
         f'{LEAST}optimizer = "pattern_search("',
         f"{LEAST}[labeler]\nrounds = 3",
@@ -179,8 +182,7 @@ def test_a_malformed_recipe_of_a_bundle_is_refused(site):
 def test_every_installed_recipe_makes_a_problem_and_a_method(component):
     recipe = load_recipe(component.id)
     assert recipe.description
-    problem = Problem(recipe.labels, recipe.minimize)
-    assert problem.unary_terms
+    assert Problem.of(closed(recipe).statement).terms
     for kind in ("parameterization", "seeder", "labeler", "optimizer"):
         prepare(getattr(SearchOptions().settled(recipe.statement.search), kind), kind, registry())
 
@@ -191,10 +193,18 @@ def test_a_mistake_in_the_expression_shows_with_the_problem():
         Problem(recipe.labels, recipe.minimize)
 
 
+def closed(recipe: Recipe) -> Recipe:
+    """The recipe for two parts more than it names, where it leaves the number open."""
+    stated = recipe.statement
+    if not stated.is_open:
+        return recipe
+    return replace(recipe, statement=stated.with_parts(len(stated.labels) + 2))
+
+
 def components_of(recipe: Recipe) -> list[str]:
     """Ids of all components that a recipe comes to, level by level."""
     found = []
-    for _, level in recipe.hierarchy().levels():
+    for _, level in closed(recipe).hierarchy().levels():
         problem = level.problem
         found += [term.id for term in problem.terms] + [
             rule.id for rule in problem.bound_constraints
@@ -269,3 +279,21 @@ def test_a_recipe_may_give_a_label_several_centres():
     assert chosen == Choice("voronoi", {"centers": "body=3"})
     again = parse_recipe(recipe.toml(), "mine")
     assert again.statement.search.parameterization.parameters == {"centers": "body=3"}
+
+
+OPEN = 'labels = ["body", "limb*"]\nminimize = "narrow(limb*)"\n'
+
+
+def test_a_recipe_may_leave_the_number_of_parts_open():
+    recipe = parse_recipe(OPEN, "mine")
+    assert recipe.statement.is_open
+    assert recipe.labels == ("body", "limb*")
+    assert recipe.toml() == OPEN
+    assert Hierarchy.of(recipe.statement.with_parts(3)).labels == ("body", "limb1", "limb2")
+
+
+@pytest.mark.parametrize("make", [Recipe.problem, Recipe.hierarchy])
+def test_who_uses_an_open_recipe_says_how_many_parts_there_are(make):
+    recipe = parse_recipe(OPEN, "mine")
+    with pytest.raises(UsageError, match=r"'limb\*' stands for any number of parts.* --parts 5"):
+        make(recipe)

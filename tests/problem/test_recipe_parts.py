@@ -8,6 +8,7 @@ from moseg_core.components.chosen import Choice
 from moseg_core.components.discovery.registry import Bundle, Component, Registry, registry
 from moseg_core.components.discovery.specs import ObjectiveSpec
 from moseg_core.errors import ExpressionError, UsageError
+from moseg_core.problem.hierarchy import Hierarchy
 from moseg_core.problem.recipe import load_recipe, parse_recipe
 
 TOP = 'labels = ["head", "leg1", "leg2"]\nminimize = "narrow(leg*)"\n'
@@ -101,6 +102,11 @@ def test_a_recipe_that_is_among_its_own_parts_ends(tmp_path):
             f'[parts.head]\n{EARS}[parts.head.parts.ear]\nrecipe = "hammer"',
             r"^recipe 'mine/head': parts: unknown label 'ear'; did you mean 'ear",
         ),
+        (
+            '[parts.head]\nlabels = ["ear*"]\nminimize = "narrow(ear*)"',
+            r"^recipe 'mine/head' leaves the number of parts open \(ear\*\).*; list them",
+        ),
+        ('[parts.head]\nrecipe = "any_shape"', r"^recipe 'mine/head' leaves the number of parts"),
         ('[parts.head]\nrecipe = "./none.toml"', r"^recipe './none.toml' cannot be read"),
     ],
 )
@@ -129,3 +135,14 @@ def test_parts_of_a_bundles_recipe_mean_its_own_objectives():
     )
     beside = load_recipe("symmetry_then_convex", source=crowded)
     assert {part.minimize for _, part in beside.statement.parts} == {"basic:convex_parts"}
+
+
+def test_each_part_of_an_open_label_is_divided():
+    recipe = parse_recipe(
+        f'labels = ["body", "limb*"]\nminimize = "narrow(limb*)"\n[parts."limb*"]\n{EARS}', "mine"
+    )
+    assert parse_recipe(recipe.toml(), "mine") == recipe
+    assert Hierarchy.of(recipe.statement.with_parts(3)).labels == (
+        "body",
+        *("limb1/ear1", "limb1/ear2", "limb2/ear1", "limb2/ear2"),
+    )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -23,10 +24,10 @@ from moseg_core.cli.request import read_statement
 from moseg_core.components.chosen import Choice
 from moseg_core.errors import UsageError
 from moseg_core.io import read_result
-from moseg_core.language import Target
+from moseg_core.language import Target, parse
 from moseg_core.problem.recipe import Recipe, load_recipe, parse_recipe
 from moseg_core.problem.settings import Method
-from moseg_core.problem.statement import Statement
+from moseg_core.problem.statement import Statement, check_label_names
 
 WORDS = st.text(st.characters(exclude_categories=["Cs"]), max_size=9)
 NAMES = st.from_regex(r"[a-z][a-z0-9]{0,4}", fullmatch=True)
@@ -185,3 +186,71 @@ def test_a_result_with_more_to_say_is_read(tmp_path):
     text = (tmp_path / "a.json").read_text().replace('"problem": {', '"problem": {"novel": 1, ')
     (tmp_path / "b.json").write_text(text)
     assert read_result(tmp_path / "b.json").statement == result.problem.statement
+
+
+def test_an_open_label_is_numbered():
+    stated = Statement(labels=("body", "leg*", "tail"), minimize="narrow(leg*)", plane="x")
+    assert stated.is_open
+    four = stated.with_parts(4)
+    assert not four.is_open
+    assert four == replace(stated, labels=("body", "leg1", "leg2", "tail"))
+    assert stated.with_parts(3).labels == ("body", "leg1", "tail")
+    assert Statement(labels=("part*",), minimize="f").with_parts(1).labels == ("part1",)
+
+
+def test_what_is_said_of_the_parts_of_an_open_label_holds_for_each():
+    inner = Statement(labels=("a", "b"), minimize="narrow(a)")
+    stated = Statement(labels=("limb*",), minimize="narrow(limb*)", parts=(("limb*", inner),))
+    assert Hierarchy.of(stated.with_parts(2)).labels == ("limb1/a", "limb1/b", "limb2/a", "limb2/b")
+
+
+def test_an_open_statement_reads_back_as_it_was():
+    stated = Statement(labels=("body", "leg*"), minimize="narrow(leg*)", search=Method(restarts=2))
+    assert Statement.read(json.loads(json.dumps(stated.document()))) == stated
+    recipe = Recipe(name="mine", statement=stated)
+    assert parse_recipe(recipe.toml(), "mine") == recipe
+
+
+@pytest.mark.parametrize(
+    ("labels", "count", "message"),
+    [
+        (("a", "b"), 2, "the number of parts is fixed by the labels a, b; do not say how many"),
+        (("a", "b*", "c"), 2, "2 parts are too few for the labels a, b*, c; give 3 or more"),
+        (("part*",), 0, "0 parts are too few for the labels part*; give 1 or more"),
+        (("a*", "b*"), 4, "one label may end with '*', not several: a*, b*"),
+        (("a*", "a*"), 4, "label 'a*' is given twice"),
+        (("*",), 4, "label '*' is not allowed"),
+        (("a*b",), 4, "label 'a*b' is not allowed"),
+        (("leg2*",), 4, "label 'leg2*' is not allowed"),  # leg21 would be what?
+        (("a b", "c*"), 4, "label 'a b' is not allowed"),
+    ],
+)
+def test_numbers_of_parts_that_cannot_be(labels, count, message):
+    with pytest.raises(UsageError) as caught:
+        Statement(labels=labels, minimize="f").with_parts(count)
+    assert message in str(caught.value)
+
+
+@pytest.mark.parametrize("labels", [["a"], ("leg1", "leg2"), ["3", "_", "E"], np.array(["x", "y"])])
+def test_labels_keep_their_order(labels):
+    assert check_label_names(labels) == tuple(labels)
+
+
+@given(st.lists(st.text()))
+def test_any_labels_are_taken_as_they_are_or_refused(labels):
+    try:
+        names = check_label_names(labels)
+    except UsageError:
+        return
+    assert names == tuple(labels)
+    assert len(set(names)) == len(names) > 0
+    # Whatever is allowed as a label can be written in an expression.
+    assert [argument.pattern for argument in parse(f"f({','.join(names)})").terms[0].arguments] == (
+        labels
+    )
+
+
+def test_only_who_may_leave_it_open_does():
+    assert check_label_names(["body", "leg*"], may_be_open=True) == ("body", "leg*")
+    with pytest.raises(UsageError, match=r"'leg\*' stands for any number of parts.* --parts 5"):
+        check_label_names(["body", "leg*"])

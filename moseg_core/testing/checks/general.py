@@ -22,6 +22,7 @@ from moseg_core.components.discovery.registry import describe
 from moseg_core.components.discovery.specs import Invariance, Kind, Requirement
 from moseg_core.components.objectives import COST_ORDER, Arity, Traits
 from moseg_core.components.parameters import Parameter
+from moseg_core.problem.problem import Problem
 from moseg_core.problem.recipe import load_recipe
 from moseg_core.testing.check import ContractFailure, Skip, Subject, check
 from moseg_core.testing.fixtures.problems import constraints_on, evaluator_on
@@ -80,7 +81,10 @@ def _signature_fits(subject: Subject) -> None:
     if kind == "objective":
         _traits_fit(target)
     elif kind == "recipe":
-        load_recipe(subject.component.id, source=subject.registry).problem(source=subject.registry)
+        stated = load_recipe(subject.component.id, source=subject.registry).statement
+        # Of an open recipe two parts are numbered: words about several parts need as many.
+        several = stated.with_parts(len(stated.labels) + 1) if stated.is_open else stated
+        Problem.of(several, registry=subject.registry)
     if kind in _CALLED:
         _binds(target, *_CALLED[kind], who=f"the target '{subject.component.spec.target}'")
     try:
