@@ -62,12 +62,12 @@ class Labelling:
     names: tuple[str, ...] | None
 
 
-def read_labels(path: Path, n_elements: int) -> Labelling:
+def read_labels(path: str | os.PathLike[str], n_elements: int) -> Labelling:
     r"""Read the labelling of a shape, in the format that the suffix says.
 
     Parameters
     ----------
-    path : Path
+    path : path-like
         With the suffix ".seg", ".txt", ".json", ".ply", ".npz" or ".npy".
     n_elements : int
         How many elements the shape has.
@@ -94,6 +94,7 @@ def read_labels(path: Path, n_elements: int) -> Labelling:
     >>> cup.labels.tolist(), cup.names
     ([0, 1, 0], ('body', 'handle'))
     """
+    path = Path(path)
     reader = _READERS.get(path.suffix.lower())
     if reader is None:
         kind = f"'{path.suffix}'" if path.suffix else "no suffix"

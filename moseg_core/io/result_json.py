@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -78,14 +79,19 @@ class SavedResult:
         return SearchOptions(**options, settings=self.method[front + "settings"], seed=self.seed)
 
 
-def read_result(path: Path) -> SavedResult:
+def read_result(path: str | os.PathLike[str]) -> SavedResult:
     """Read a result file.
+
+    Parameters
+    ----------
+    path : path-like
 
     Raises
     ------
     UsageError
         The file cannot be read, or is not a result that this version understands.
     """
+    path = Path(path)
     try:
         document = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, json.JSONDecodeError) as error:
