@@ -322,7 +322,7 @@ class _Descent:
             method=dict(_prefixed(levels, lambda level: level.method)),
             seed=result.seed,
             versions=dict(sorted(pair for r in levels.values() for pair in r.versions.items())),
-            reason=_reason([level.reason for level in levels.values()]),
+            reason=joint_reason([level.reason for level in levels.values()]),
             dimension=(
                 sum(level.dimension[0] for level in levels.values()),
                 sum(level.dimension[1] for level in levels.values()),
@@ -428,7 +428,7 @@ def _prefixed(
             yield (f"{path}: {name}" if path else name), value
 
 
-def _reason(reasons: Sequence[str]) -> str:
+def joint_reason(reasons: Sequence[str]) -> str:
     """Why the whole run ended: what cut it short before what any level met."""
     for short in ("failed", "interrupted", "seconds"):
         if short in reasons:

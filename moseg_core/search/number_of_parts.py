@@ -3,7 +3,7 @@
 A recipe for any number of parts (:attr:`moseg_core.problem.statement.Statement.is_open`) says what
 the parts of any shape are like: joined along short lines in creases, each as thick everywhere.
 :func:`segment_parts` takes it at the number that is asked for. Nothing tells its labels apart, so
-that they are numbered from the largest part to the smallest.
+that they are numbered from the largest part to the smallest (:func:`numbered_by_size`).
 
 Where no number is asked for, each from 2 to a most is tried, and the one with the least cost is
 taken. So a recipe for any number of parts should have a cost that compares between numbers of them:
@@ -13,22 +13,22 @@ a mean over parts, or over the area, no sum over parts.
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+import time
+from dataclasses import dataclass, field, replace
 from numbers import Integral
 from typing import Unpack
 
 import numpy as np
 
-from moseg_core.components.discovery.lookup import Lookup
 from moseg_core.components.protocols import Progress, Report, never_stop
-from moseg_core.components.segmentation import Segmentation
-from moseg_core.errors import UsageError
+from moseg_core.errors import MosegError, UsageError
 from moseg_core.problem.hierarchy import Hierarchy
 from moseg_core.problem.recipe import Recipe, load_recipe
 from moseg_core.problem.settings import OptionValues, SearchOptions
 from moseg_core.problem.statement import Statement
-from moseg_core.search.levels import check_hierarchy, solve_hierarchy
-from moseg_core.search.result import Result, find_warnings
+from moseg_core.search.levels import check_hierarchy, joint_reason, solve_hierarchy
+from moseg_core.search.restarts import Listener
+from moseg_core.search.result import Result, end_warnings, find_warnings
 from moseg_core.shape.shape import Shape
 
 ANY_SHAPE = "basic:any_shape"
@@ -39,6 +39,9 @@ AUTO = "auto"
 
 MOST = 12
 """The greatest number of parts that is tried."""
+
+TRIED = "number of parts"
+"""The stage of the history with a record for each number that was tried."""
 
 
 def segment_parts(
@@ -139,33 +142,95 @@ def solve_parts(
     report: Report,
 ) -> Result:
     """The same as :func:`segment_parts`, with statement and options in one piece each."""
-    numbers = numbers_to_try(statement, given)
-    tasks = [Hierarchy.of(statement.with_parts(number)) for number in numbers]
+    tasks = [
+        Hierarchy.of(statement.with_parts(number)) for number in numbers_to_try(statement, given)
+    ]
     for task in tasks:
         check_hierarchy(task, options)
+    if len(tasks) == 1:
+        found = solve_hierarchy(shape, tasks[0], options, report=report)
+        return numbered_by_size(found, statement)
     # More parts than elements: the smaller numbers can still be tried.
-    tried = [task for task in tasks if len(task.problem.labels) <= shape.n_elements] or tasks[:1]
-    found: list[Result] = []
-    stopped = False
-    for task in tried:
-        n = len(task.problem.labels)
-
-        def listen(progress: Progress, n: int = n) -> bool:
-            nonlocal stopped
-            stage = progress.stage if len(tried) == 1 else f"{n} parts: {progress.stage}"
-            stopped = bool(report(replace(progress, stage=stage))) or stopped
-            return stopped
-
-        found.append(solve_hierarchy(shape, task, options, report=listen))
-        if stopped:
+    tasks = [task for task in tasks if _count(task) <= shape.n_elements] or tasks[:1]
+    trial = _Trial(listener=Listener(report))
+    seconds = options.max_seconds
+    deadline = None if seconds is None else time.monotonic() + seconds
+    for k, task in enumerate(tasks):
+        mine = options
+        if deadline is not None:  # each number has its share of what is left
+            left = max(0.0, deadline - time.monotonic()) / (len(tasks) - k)
+            mine = replace(options, max_seconds=left)
+        trial.solve(shape, task, mine)
+        if trial.ended:
             break
-    best = min(found, key=lambda result: result.evaluation.cost)
-    if len(tried) > 1:
-        records = tuple(
-            {"parts": len(result.problem.labels), "cost": result.cost} for result in found
-        )
-        best = replace(best, history={**best.history, "number of parts": records})
+    best = trial.best()
+    if trial.failure is not None:
+        trial.failure.result = best
+        raise trial.failure
     return numbered_by_size(best, statement)
+
+
+@dataclass(kw_only=True)
+class _Trial:
+    """The numbers that were tried so far.
+
+    Parameters
+    ----------
+    listener : Listener
+    found : list of Result
+    failure : MosegError or None
+        What ended the trial before all numbers had their turn.
+    """
+
+    listener: Listener
+    found: list[Result] = field(default_factory=list)
+    failure: MosegError | None = None
+
+    @property
+    def ended(self) -> bool:
+        """Whether no other number is to be tried."""
+        return self.listener.stopped or self.failure is not None
+
+    def solve(self, shape: Shape, task: Hierarchy, options: SearchOptions) -> None:
+        """Try one number."""
+
+        def report(progress: Progress) -> bool:
+            stage = f"{_count(task)} parts: {progress.stage}"
+            return self.listener(replace(progress, stage=stage))
+
+        try:
+            self.found.append(solve_hierarchy(shape, task, options, report=report))
+        except MosegError as error:
+            if error.result is not None:
+                self.found.append(error.result)
+            elif not self.found:
+                raise
+            self.failure = error
+
+    def best(self) -> Result:
+        """The result of least cost, with a record of each number and why the whole trial ended."""
+        best = min(self.found, key=lambda result: result.evaluation.cost)
+        reasons = [result.reason for result in self.found]
+        reason = "failed" if self.failure is not None else joint_reason(reasons)
+        others = (text for text in best.warnings if text not in end_warnings(best.reason))
+        return replace(
+            best,
+            reason=reason,
+            warnings=(*end_warnings(reason), *others),
+            history={**best.history, TRIED: tuple(map(_record, self.found))},
+        )
+
+
+def _count(task: Hierarchy) -> int:
+    """How many parts the whole is cut into."""
+    return len(task.problem.labels)
+
+
+def _record(result: Result) -> dict[str, float]:
+    cost = result.evaluation.cost
+    problem = result.problem
+    whole = problem.problem if isinstance(problem, Hierarchy) else problem
+    return {"parts": len(whole.labels), "cost": cost.value, "empty": cost.empty}
 
 
 def numbered_by_size(result: Result, statement: Statement) -> Result:
@@ -180,30 +245,28 @@ def numbered_by_size(result: Result, statement: Statement) -> Result:
     Returns
     -------
     Result
-        As given where parts are divided further, or where the cost tells the numbers apart.
+        As given where the numbers tell parts apart: where the cost or constraints say something of
+        one and not of another, or where parts are divided further. Parts of more centres than
+        others, as ``voronoi(centers="part1=2")`` gives them, are numbered among themselves.
     """
     problem = result.problem
-    if isinstance(problem, Hierarchy):
+    if isinstance(problem, Hierarchy) or statement.parts or problem.bound_constraints:
         return result
-    numbered = [k for k, label in enumerate(problem.labels) if label not in statement.labels]
     areas = np.array([part.area for part in result.parts.values()])
+    is_numbered = np.array([label not in statement.labels for label in problem.labels])
     order = np.arange(len(areas))
-    order[numbered] = np.array(numbered)[np.argsort(-areas[numbered], kind="stable")]
-    rank = np.empty(len(order), np.int32)
-    rank[order] = np.arange(len(order))
+    for centers in np.unique(result.centers.per_part):
+        alike = np.flatnonzero(is_numbered & (result.centers.per_part == centers))
+        order[alike] = alike[np.argsort(-areas[alike], kind="stable")]
+    rank = np.argsort(order).astype(np.int32)
     labels = rank[result.labels]
     evaluation = problem.evaluate(result.shape, labels)
     if not math.isclose(evaluation.cost.value, result.cost, rel_tol=1e-9, abs_tol=1e-12):
         return result
-    segmentation = Segmentation.from_labels(
-        result.shape, labels, len(order), lookup=Lookup(problem.registry)
+    found = replace(
+        result, labels=labels, centers=result.centers.ordered(order), evaluation=evaluation
     )
-    named = find_warnings(result.evaluation, result.segmentation, problem.labels, result.reason)
-    others = tuple(warning for warning in result.warnings if warning not in named)
-    return replace(
-        result,
-        labels=labels,
-        centers=result.centers.ordered(order),
-        evaluation=evaluation,
-        warnings=find_warnings(evaluation, segmentation, problem.labels, result.reason) + others,
-    )
+    told = find_warnings(result.evaluation, result.segmentation, problem.labels, result.reason)
+    others = tuple(warning for warning in result.warnings if warning not in told)
+    anew = find_warnings(found.evaluation, found.segmentation, problem.labels, found.reason)
+    return replace(found, warnings=anew + others)

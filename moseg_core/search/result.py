@@ -134,17 +134,22 @@ class Result:
         )
 
 
+def end_warnings(reason: str) -> tuple[str, ...]:
+    """What a user should know of a search that did not end by itself."""
+    if reason == "converged":
+        return ()
+    if reason == "interrupted":
+        return ("the run was interrupted; this is the best that it had found",)
+    if reason == "failed":
+        return ("the run failed; this is the best that it had found",)
+    return (f"the search ended on its limit ({reason}); a longer one may find better",)
+
+
 def find_warnings(
     evaluation: Evaluation, segmentation: Segmentation, labels: tuple[str, ...], reason: str
 ) -> tuple[str, ...]:
     """What a user should know before trusting a result."""
-    found = []
-    if reason == "interrupted":
-        found.append("the run was interrupted; this is the best that it had found")
-    elif reason == "failed":
-        found.append("the run failed; this is the best that it had found")
-    elif reason != "converged":
-        found.append(f"the search ended on its limit ({reason}); a longer one may find better")
+    found = list(end_warnings(reason))
     found += [
         f"part '{name}' is empty; terms about it are left out of the cost"
         for name in evaluation.empty
