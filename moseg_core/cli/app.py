@@ -65,6 +65,8 @@ def segment(
     moseg segment hammer.ply --labels handle,head
     --minimize "3*narrow(handle) + perpendicular(handle, head) + convex_parts"
 
+    moseg segment cup.stl --parts 3 -o cup.png
+
     Parameters
     ----------
     shape
@@ -115,7 +117,7 @@ def explain(
         A result (.json), or a shape together with --parts.
     parts
         Labelling to evaluate: .seg (numbers in the order of the labels), .txt, .json, .ply, .npz
-        or .npy.
+        or .npy. A recipe for any number of parts takes the number from it.
     json
         Print JSON instead of a table.
     """

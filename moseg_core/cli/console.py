@@ -99,8 +99,11 @@ def progress_reporter(*, quiet: bool) -> Iterator[Report]:
     def report(progress: Progress) -> bool:
         nonlocal drawn
         if progress.stage not in tasks:
-            for earlier in tasks.values():  # a new stage: those before it are done
-                bars.update(earlier, total=1.0, completed=1.0)
+            before = progress.stage.rpartition(": ")[0]
+            for stage, earlier in tasks.items():  # a new stage: those before it are done
+                # Of other levels, or other numbers of parts, there may be more than lines.
+                shown = stage.rpartition(": ")[0] == before
+                bars.update(earlier, total=1.0, completed=1.0, visible=shown)
                 bars.stop_task(earlier)
             tasks[progress.stage] = bars.add_task(progress.stage, total=None, cost="")
         best = progress.best

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,11 +11,13 @@ import numpy as np
 from moseg_core.cli.console import console, message, print_json, terms_table
 from moseg_core.cli.flags import ProblemFlags, ShapeFlags
 from moseg_core.cli.reading import read_shape
-from moseg_core.cli.request import read_task
+from moseg_core.cli.request import read_statement, read_task
 from moseg_core.components.segmentation import Segmentation
 from moseg_core.errors import UsageError, unknown
 from moseg_core.io import Labelling, read_labels, read_result
 from moseg_core.io.result_json import evaluation_document
+from moseg_core.problem.hierarchy import Hierarchy
+from moseg_core.problem.statement import SEPARATOR, Statement
 from moseg_core.search.result import find_warnings
 from moseg_core.types import IntArray
 
@@ -39,9 +42,13 @@ def run_explain(
     else:
         if parts is None:
             raise UsageError(f"'{source}' is a shape: give the labelling to explain with --parts")
-        problem = read_task(problem_flags)
+        stated = read_statement(problem_flags)
+        problem = None if stated.is_open else read_task(problem_flags)
         shape = read_shape(source, reading)
         labelling = read_labels(parts, shape.n_elements)
+        if problem is None:
+            stated, labelling = _numbered(stated, labelling)
+            problem = Hierarchy.of(stated)
         if labelling.names is not None:
             problem = problem.fitted(labelling.names)
         matched = _match(labelling, problem.labels, parts)
@@ -54,6 +61,29 @@ def run_explain(
         print_json(evaluation_document(evaluation))
     else:
         console(sys.stdout).print(terms_table(evaluation))
+
+
+def _numbered(stated: Statement, labelling: Labelling) -> tuple[Statement, Labelling]:
+    """An open statement with as many parts as a labelling has, and the labelling in its names.
+
+    Names that are not the statement's are numbered in the order of the file, which is said.
+    """
+    if labelling.names is None:
+        return stated.with_parts(int(labelling.labels.max()) + 1), labelling
+    wholes = [name.partition(SEPARATOR)[0] for name in labelling.names]
+    fixed = [label for label in stated.labels if not label.endswith("*")]
+    others = [name for name in dict.fromkeys(wholes) if name not in fixed]
+    stated = stated.with_parts(len(fixed) + len(others))
+    numbered = [label for label in stated.labels if label not in fixed]
+    if set(others) == set(numbered):
+        return stated, labelling
+    called = dict(zip(others, numbered, strict=True))
+    message(", ".join(f"{label} is '{name}'" for name, label in called.items()))
+    names = tuple(
+        called.get(whole, whole) + name[len(whole) :]
+        for name, whole in zip(labelling.names, wholes, strict=True)
+    )
+    return stated, replace(labelling, names=names)
 
 
 def _match(labelling: Labelling, names: tuple[str, ...], path: Path) -> IntArray:

@@ -13,6 +13,7 @@ from rich.table import Table
 from rich.text import Text
 
 from moseg_core.cli.console import console, print_json
+from moseg_core.cli.recipes import read_shipped
 from moseg_core.components.discovery.registry import Component, registry
 from moseg_core.components.discovery.specs import FieldSpec, Spec
 from moseg_core.components.explanation import (
@@ -142,6 +143,13 @@ def _facts(explained: Explained) -> dict[str, str]:
     if suffixes:
         facts["files"] = " ".join(suffixes)
     if component.kind == "recipe":
+        recipe, problem = read_shipped(component)
+        if recipe is None:
+            facts["cannot be used"] = str(problem)
+        else:
+            facts["labels"] = ", ".join(recipe.labels)
+            number = " --parts 5" if recipe.statement.is_open else ""
+            facts["to use it"] = f"moseg segment SHAPE --recipe {component.id}{number} -o x.png"
         facts["its text"] = f"moseg recipes {component.id}"
     if component.kind == "command":
         facts["its options"] = f"moseg {component.spec.name} --help"

@@ -25,21 +25,28 @@ def run_recipes(name: str | None, *, as_json: bool) -> None:
         else:
             sys.stdout.write(_for_a_file(component, text))
         return
-    found = [(component, *_read(component)) for component in registry().components("recipe")]
+    found = [(component, *read_shipped(component)) for component in registry().components("recipe")]
     if as_json:
         print_json([_document(*entry) for entry in found])
         return
     short = set(registry().names("recipe"))
     table = Table(box=None, pad_edge=False, header_style="bold")
-    for heading in ("recipe", "bundle", "description"):
+    for heading in ("recipe", "bundle", "parts", "description"):
         table.add_column(heading, overflow="fold")
     for component, recipe, problem in found:
         called = component.spec.name if component.spec.name in short else component.id
         description = (
             Text(recipe.description) if recipe else Text(f"cannot be used: {problem}", "red")
         )
-        table.add_row(Text(called), Text(component.bundle), description)
+        table.add_row(Text(called), Text(component.bundle), _how_many(recipe), description)
     console(sys.stdout).print(table)
+
+
+def _how_many(recipe: Recipe | None) -> str:
+    """How many parts a recipe cuts the whole into."""
+    if recipe is None:
+        return ""
+    return "any" if recipe.statement.is_open else str(len(recipe.labels))
 
 
 def _text(component: Component) -> str:
@@ -59,8 +66,8 @@ def _for_a_file(component: Component, text: str) -> str:
     return text if shipped.statement == meant.statement else meant.toml()
 
 
-def _read(component: Component) -> tuple[Recipe | None, str | None]:
-    """A recipe, or what is wrong with it: one that is broken does not hide the others."""
+def read_shipped(component: Component) -> tuple[Recipe | None, str | None]:
+    """A recipe as its bundle has it, or what is wrong with it."""
     try:
         return parse_recipe(_text(component), component.spec.name), None
     except MosegError as error:

@@ -91,17 +91,16 @@ def read_statement(flags: ProblemFlags, *, start: SavedResult | None = None) -> 
             changes["plane"] = flags.plane
     if flags.recipe is not None:
         return replace(load_recipe(flags.recipe).statement, **changes)
-    if isinstance(flags, SearchedProblemFlags) and flags.parts is not None:
-        if start is not None:
-            raise UsageError("--start brings its own labels; leave out --parts")
-        if "labels" not in changes or "minimize" not in changes:
-            return replace(load_recipe(ANY_SHAPE).statement, **changes)
+    by_number = isinstance(flags, SearchedProblemFlags) and flags.parts is not None
+    if by_number and (flags.labels is None or flags.minimize is None):
+        return replace(load_recipe(ANY_SHAPE).statement, **changes)
     if start is not None:
         meaning = meant_by_result(start.versions, registry())
         return replace(statement_in_full(start.statement, meaning, leave=changes), **changes)
     if flags.labels is None or flags.minimize is None:
         raise UsageError(
-            "say what to look for: --recipe NAME, or --labels a,b and --minimize '...'"
+            "say what to look for: --recipe NAME, or --labels a,b and --minimize '...'; or cut into"
+            " parts of which nothing is known, with --parts 5 or --parts auto"
         )
     return Statement(**changes)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
+from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -30,7 +31,7 @@ from moseg_core.io.write.formats import check_writable
 from moseg_core.problem.slow_calls import naming_slow_calls
 from moseg_core.search.clipped_result import check_components, clip
 from moseg_core.search.levels import check_hierarchy, solve_hierarchy
-from moseg_core.search.number_of_parts import solve_parts
+from moseg_core.search.number_of_parts import TRIED, solve_parts
 from moseg_core.search.result import Result
 from moseg_core.search.segment import check_frozen, matched_centers, prepare_components
 
@@ -187,14 +188,29 @@ def _summary(result: Result) -> dict[str, Any]:
             for name, part in result.parts.items()
         ],
         "dimension": {"free": result.dimension[0], "all": result.dimension[1]},
+        **({"numbers": list(result.history[TRIED])} if TRIED in result.history else {}),
         "seed": result.seed,
         "reason": result.reason,
         "warnings": list(result.warnings),
     }
 
 
+def _numbers_table(records: Sequence[Mapping[str, float]]) -> Table:
+    """What each number of parts that was tried came to."""
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    for heading in ("number of parts", "cost", "empty"):
+        table.add_column(heading, justify="right")
+    for record in records:
+        empty = f"{record['empty']}" if record["empty"] else ""
+        table.add_row(f"{record['parts']}", f"{record['cost']:.6f}", empty)
+    return table
+
+
 def _print_tables(result: Result) -> None:
     out = console(sys.stdout)
+    if TRIED in result.history:
+        out.print(_numbers_table(result.history[TRIED]))
+        out.print()
     parts = Table(box=None, pad_edge=False, header_style="bold")
     parts.add_column("part")
     parts.add_column(f"{result.shape.noun}s", justify="right")

@@ -9,6 +9,7 @@ import io
 import json
 import os
 import pty
+import re
 import subprocess
 import sys
 from textwrap import dedent
@@ -145,3 +146,17 @@ def test_progress_is_shown_on_a_terminal_only(monkeypatch, quiet):
             assert "k-means 2" in shown
             assert "cost 0.25 (1 empty)" in shown
             assert "polish 7" in shown
+
+
+def test_bars_of_other_numbers_of_parts_make_room(monkeypatch):
+    monkeypatch.setattr("moseg_core.cli.console._REDRAWN_EVERY", 0.0)
+    monkeypatch.setattr(sys, "stderr", stream := Terminal())
+    with progress_reporter(quiet=False) as report:
+        for n in range(2, 9):
+            for stage in ("kmeans", "pattern_search", "polish"):
+                report(Progress(stage=f"{n} parts: {stage}", done=n))
+    shown = stream.getvalue()
+    assert "2 parts: kmeans" in shown
+    assert "8 parts: polish" in shown
+    up = "\x1b[1A\x1b[2K"  # what wipes a line before it is drawn anew
+    assert max(len(run) for run in re.findall(f"(?:{re.escape(up)})+", shown)) <= 3 * len(up)

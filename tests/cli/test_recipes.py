@@ -16,11 +16,14 @@ def test_lists_what_is_installed(moseg):
     run = moseg("recipes")
     assert (run.code, run.err) == (0, "")
     lines = run.out.splitlines()
-    assert lines[0].split() == ["recipe", "bundle", "description"]
+    assert lines[0].split() == ["recipe", "bundle", "parts", "description"]
     assert len(lines) >= 1 + len(registry().components("recipe"))
     hammer = next(line for line in lines if line.startswith("hammer"))
     assert "basic" in hammer
     assert load_recipe("hammer").description in hammer
+    assert hammer.split()[2] == "2"
+    open_one = next(line for line in lines if line.startswith("any_shape"))
+    assert open_one.split()[:3] == ["any_shape", "basic", "any"]
 
 
 def test_lists_as_json(moseg):
@@ -34,6 +37,7 @@ def test_lists_as_json(moseg):
 
 def test_prints_a_recipe_as_it_was_shipped(moseg, tmp_path):
     text = registry().find("recipe", "horse").load()
+    assert moseg("recipes", "any_shape").out == registry().find("recipe", "any_shape").load()
     for name in ("horse", "basic:horse"):
         run = moseg("recipes", name)
         assert (run.code, run.out, run.err) == (0, text, "")
@@ -75,7 +79,7 @@ def test_a_broken_recipe_does_not_hide_the_others(moseg):
     assert run.code == 0
     rows = [line.split() for line in run.out.splitlines()[1:]]
     assert [row[0] for row in rows] == ["one:same", "odd", "two:same"]
-    assert rows[0][1:] == ["one", "fine"]
+    assert rows[0][1:] == ["one", "1", "fine"]
     assert "cannot be used: recipe 'one:odd' of moseg-one 1.0 is a int" in run.out
     assert "not valid TOML" in run.out
     listed = json.loads(moseg("recipes", "--json").out)
