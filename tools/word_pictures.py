@@ -31,7 +31,7 @@ SAMPLES = ("hammer", "horse", "dove", "octopus", "bulldog")
 #: Words about one part.
 UNARY = (
     *("thin", "thick", "even_thickness", "central", "remote", "small", "large"),
-    *("short_boundary", "creased_boundary"),
+    *("short_boundary", "creased_boundary", "separate"),
 )
 
 #: Of other words a call of low and one of high value: sample, labelling, expression.
@@ -45,6 +45,8 @@ SHOWN = {
     "above": [("horse", "truth", f'above({x}, up="y")') for x in ("head, leg1", "leg1, head")],
     "short_boundaries": [("hammer", x, "short_boundaries") for x in ("truth", "stripes")],
     "creased_boundaries": [("hammer", x, "creased_boundaries") for x in ("truth", "halves")],
+    "separate_parts": [("hammer", x, "separate_parts") for x in ("truth", "halves")],
+    "even_parts": [("octopus", x, "even_parts") for x in ("truth", "halves")],
 }
 
 
@@ -72,7 +74,7 @@ def labels_of(sample: str, labelling: str) -> moseg.Labelling:
     along = shape.unit_points[:, int(np.ptp(shape.unit_points, axis=0).argmax())]
     count = {"halves": 2, "stripes": 12}[labelling]
     order = np.argsort(np.argsort(along)) * count // shape.n_elements
-    return moseg.Labelling(names=truth.names, labels=order % 2)
+    return moseg.Labelling(names=("one", "other"), labels=order % 2)
 
 
 def value_of(sample: str, labelling: str, expression: str) -> float:

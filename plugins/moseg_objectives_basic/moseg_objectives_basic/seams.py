@@ -3,7 +3,8 @@
 People see the end of a part where the surface turns in (the minima rule of Hoffman and Richards
 1984, doi:10.1016/0010-0277(84)90022-2), and where it is narrow (the short-cut rule of Singh,
 Seyranian and Hoffman 1999, doi:10.3758/bf03206891). ``short_boundary`` and ``creased_boundary`` are
-of one part, ``short_boundaries`` and ``creased_boundaries`` of all. 0 is best.
+of one part, ``short_boundaries`` and ``creased_boundaries`` of all; ``separate`` and
+``separate_parts`` are both rules in one. 0 is best.
 """
 
 from __future__ import annotations
@@ -217,7 +218,7 @@ def separate(part: Part) -> float:
     fields=(_UNCREASED,),
 )
 def separate_parts(segmentation: Segmentation) -> float:
-    """The mean of ``separate`` over all parts: how firmly parts are joined, for their area.
+    """``mean_i separate(P_i)``: how firmly parts are joined, for their area.
 
     Parameters
     ----------
@@ -226,8 +227,8 @@ def separate_parts(segmentation: Segmentation) -> float:
     Returns
     -------
     float
-        See :func:`separate`; every part counts alike, however large. 0 is best. A mean, so that
-        numbers of parts compare.
+        The mean of :func:`separate` over all parts, each of which counts alike, however large; 0
+        is best. A mean, so that costs of different numbers of parts compare.
 
     Notes
     -----

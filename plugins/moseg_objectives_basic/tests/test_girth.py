@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import trimesh
-from moseg_objectives_basic.girth import even_thickness, thick, thin
+from moseg_objectives_basic.girth import even_parts, even_thickness, thick, thin
 
 from moseg_core import Segmentation, Shape, coarsen, field_values
 
@@ -45,17 +45,39 @@ def test_thin_and_thick_parts(lollipop):
     )
 
 
+def test_even_parts_of_two_balls(make):
+    """Balls of radius 1 and 2: each as thick everywhere, and apart by a factor of two."""
+    far = make.moved(make.ball(3), scale=2.0, shift=[9, 0, 0])
+    found = make.segmented([make.ball(3), far])
+    assert even_parts(found) == pytest.approx(0, abs=1e-3)
+    together = Segmentation.from_labels(found.shape, 0 * found.labels, 1)
+    # A fifth of the area is thinner by the factor of two than the rest.
+    assert even_parts(together) == pytest.approx(0.2 * 0.8 * np.log(2) ** 2, rel=0.01)
+
+
+def test_even_parts_by_the_book(lollipop):
+    shape, labels = lollipop
+    logarithms = np.log(field_values(shape, "basic:thickness"))
+    for given in (labels, (shape.points[:, 0] > 1).astype(int), 0 * labels):
+        expected = 0.0
+        for k in range(given.max() + 1):
+            own = given == k
+            mean = np.average(logarithms[own], weights=shape.areas[own])
+            expected += (shape.areas[own] * (logarithms[own] - mean) ** 2).sum() / shape.area
+        found = Segmentation.from_labels(shape, given, int(given.max()) + 1)
+        assert even_parts(found) == pytest.approx(expected)
+
+
 def test_the_same_on_a_coarse_shape(lollipop):
     shape, labels = lollipop
     coarse = coarsen(shape, 300)
     rough = np.array(
         [np.bincount(labels[coarse.members == k]).argmax() for k in range(coarse.n_elements)]
     )
-    for a, b in zip(
-        Segmentation.from_labels(coarse, rough, 2).parts,
-        Segmentation.from_labels(shape, rough[coarse.members], 2).parts,
-        strict=True,
-    ):
+    on_coarse = Segmentation.from_labels(coarse, rough, 2)
+    on_fine = Segmentation.from_labels(shape, rough[coarse.members], 2)
+    assert even_parts(on_coarse) == pytest.approx(even_parts(on_fine), rel=1e-9)
+    for a, b in zip(on_coarse.parts, on_fine.parts, strict=True):
         for word in (thin, thick, even_thickness):
             assert word(a) == pytest.approx(word(b), rel=1e-9)
 
@@ -64,3 +86,11 @@ def test_nasty_parts_stay_in_range(nasty):
     for name, part in nasty.items():
         for word in (thin, thick, even_thickness):
             assert 0 <= word(part) <= 1, name
+
+
+def test_even_parts_has_a_value_for_nasty_shapes(nasty):
+    for name, part in nasty.items():
+        shape = part.shape
+        found = Segmentation.from_labels(shape, np.arange(shape.n_elements) % 2, 2)
+        if all(p.n_elements for p in found.parts):
+            assert 0 <= even_parts(found) < np.inf, name

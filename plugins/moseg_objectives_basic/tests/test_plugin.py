@@ -44,11 +44,14 @@ WORDS = {
     "large": "unary",
     "short_boundary": "unary",
     "creased_boundary": "unary",
+    "separate": "unary",
     "above": "nary",
     "touching": "nary",
     "apart": "nary",
     "short_boundaries": "global",
     "creased_boundaries": "global",
+    "separate_parts": "global",
+    "even_parts": "global",
 }
 SIZES = ("area", "length", "width", "depth", "spread", "thickness", "unevenness", "boundary")
 PLACES = ("offcenter", "remoteness", "nearest", "farthest", "crease")
@@ -67,6 +70,8 @@ VARIANT = {
     "remote": {"tessellation"},
     "creased_boundary": {"tessellation"},
     "creased_boundaries": {"tessellation"},
+    "separate": {"tessellation"},
+    "separate_parts": {"tessellation"},
     "is": {"tessellation"},
 }
 
@@ -120,12 +125,14 @@ def test_what_the_objectives_need():
     by_needs = {
         frozenset({"surface"}): {
             *("planar_symmetric", "axial_symmetric", "rotational_symmetric", "convex"),
-            *("thin", "thick", "even_thickness"),
+            *("thin", "thick", "even_thickness", "even_parts"),
         },
         frozenset({"adjacency"}): {
             *("central", "remote", "touching", "apart", "short_boundary", "short_boundaries"),
         },
-        frozenset({"surface", "adjacency"}): {"creased_boundary", "creased_boundaries"},
+        frozenset({"surface", "adjacency"}): {
+            *("creased_boundary", "creased_boundaries", "separate", "separate_parts"),
+        },
     }
     for what, names in by_needs.items():
         assert {name for name, needed in needs.items() if needed == what} == names

@@ -8,6 +8,8 @@ import trimesh
 from moseg_objectives_basic.seams import (
     creased_boundaries,
     creased_boundary,
+    separate,
+    separate_parts,
     short_boundaries,
     short_boundary,
 )
@@ -26,12 +28,17 @@ def test_a_disc_in_a_plane(make):
     assert short_boundary(found.parts[0]) == pytest.approx(0.5, rel=1e-3)
     assert short_boundary(found.parts[1]) == pytest.approx(1 / (1 + math.sqrt(3)), rel=1e-3)
     assert short_boundaries(found) == pytest.approx(math.pi / math.sqrt(8), rel=1e-2)
+    # In a plane nothing is creased, and a boundary counts as long as it is.
+    for part in found.parts:
+        assert separate(part) == pytest.approx(short_boundary(part))
+    assert separate_parts(found) == pytest.approx((0.5 + 1 / (1 + math.sqrt(3))) / 2, rel=1e-3)
 
 
 def test_a_part_without_boundary(make):
     found = segmented(Shape.from_mesh(*make.ball(2)), [0] * 320)
     assert short_boundary(found.parts[0]) == short_boundaries(found) == 0
     assert creased_boundary(found.parts[0]) == creased_boundaries(found) == 0
+    assert separate(found.parts[0]) == separate_parts(found) == 0
 
 
 @pytest.mark.parametrize("n", [6, 12])
@@ -65,6 +72,46 @@ def test_a_boundary_in_a_crease_is_cheaper_than_beside_it(dumbbell):
     assert creased_boundaries(in_crease) == pytest.approx(creased_boundary(in_crease.parts[1]))
 
 
+def test_a_part_that_ends_in_a_crease_is_more_separate(dumbbell):
+    in_crease, beside = (
+        segmented(dumbbell, (dumbbell.points[:, 0] > x).astype(int)) for x in (0.5, 0.9)
+    )
+    # Shorter by a little, and worth 0.15 to 0.5 of its length where a plane one is worth all of it.
+    for k, part in enumerate(in_crease.parts):
+        assert separate(part) < separate(beside.parts[k])
+        long, short = short_boundary(part), separate(part)
+        assert 0.15 < (short / (1 - short)) / (long / (1 - long)) < 0.5
+    assert separate_parts(in_crease) < separate_parts(beside)
+
+
+def test_separate_by_the_book_on_every_level(dumbbell):
+    coarse = coarsen(dumbbell, 200)
+    rough = (coarse.points[:, 0] > 0.6).astype(int)
+    labels = rough[coarse.members]
+    concave, links = field_values(dumbbell, "basic:concavity"), dumbbell.links
+    factor = np.clip(1.0 - concave, 0.15, 1.5)
+    length = sum(
+        (factor[i] + factor[j]) / 2 * weight
+        for i, j, weight in zip(links.first, links.second, links.lengths, strict=True)
+        if labels[i] != labels[j]
+    )
+    areas = [dumbbell.areas[labels == k].sum() for k in (0, 1)]
+    expected = [length / (length + math.sqrt(4 * math.pi * area)) for area in areas]
+    for found in (segmented(coarse, rough), segmented(dumbbell, labels)):
+        assert [separate(part) for part in found.parts] == pytest.approx(expected)
+        assert separate_parts(found) == pytest.approx(np.mean(expected))
+
+
+def test_every_part_counts_alike_however_large(make):
+    shape = Shape.from_mesh(*make.disc(8, 64))
+    radius = np.linalg.norm(shape.points, axis=1)
+    found = segmented(shape, np.digitize(radius, [0.25, 0.75]))
+    assert separate_parts(found) == pytest.approx(np.mean([separate(p) for p in found.parts]))
+    both = Problem(["a", "b", "c"], "separate_parts + separate(*)")
+    mean, each = both.evaluate(shape, np.digitize(radius, [0.25, 0.75])).terms
+    assert each.value == pytest.approx(3 * mean.value)
+
+
 def test_the_mean_along_the_boundary_on_every_level(dumbbell):
     coarse = coarsen(dumbbell, 200)
     rough = (coarse.points[:, 0] > 0.6).astype(int)
@@ -93,3 +140,4 @@ def test_nasty_parts_stay_in_range(nasty):
     for name, part in nasty.items():
         assert 0 <= short_boundary(part) < 1, name
         assert 0 <= creased_boundary(part) <= 1, name
+        assert 0 <= separate(part) < 1, name

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import trimesh
 from moseg_objectives_basic.fields import thickness as module
-from moseg_objectives_basic.fields.thickness import thickness
+from moseg_objectives_basic.fields.thickness import log_thickness, thickness
 from scipy.spatial.transform import Rotation
 
 from moseg_core import Shape
@@ -81,6 +81,18 @@ def test_motion_size_and_reflection_change_nothing(make):
     assert thickness(Shape.from_mesh(*moved)) == pytest.approx(before, rel=1e-5)
     mirrored = Shape.from_mesh(vertices * [1, -1, 1], faces[:, ::-1])
     assert thickness(mirrored) == pytest.approx(before, rel=1e-5)
+
+
+def test_the_logarithm_of_the_thickness(make):
+    shape = Shape.from_mesh(*make.ball(3))
+    across = 2 * np.cos(np.pi / 8) / shape.box_diagonal
+    found = log_thickness(shape)
+    assert found == pytest.approx(np.log(across), abs=0.01)
+    assert found == pytest.approx(np.log(thickness(shape)), abs=1e-12)
+    large = Shape.from_mesh(*make.moved(make.ball(3), scale=30, shift=[4, 5, 6]))
+    assert log_thickness(large) == pytest.approx(found, abs=1e-5)
+    sheet = Shape.from_mesh(*make.rectangle(2, 1))
+    assert log_thickness(sheet).tolist() == [0.0]
 
 
 def test_large_shapes_are_looked_at_in_some_places(make, monkeypatch):
