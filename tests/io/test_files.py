@@ -6,13 +6,16 @@ import os
 import stat
 import sys
 import types
+from pathlib import Path
 
 import pytest
 
+import moseg_core
 from moseg_core.components.discovery.registry import Bundle, Component, Registry, registry
 from moseg_core.components.discovery.specs import ReaderSpec, WriterSpec
 from moseg_core.errors import MosegError, PluginError, ShapeError, UsageError
 from moseg_core.io.files import check_destination, check_output, load, save, write_file
+from moseg_core.io.result_json import read_result
 from tests.results import result_on
 
 
@@ -131,3 +134,24 @@ def test_every_suffix_that_is_installed_has_one_writer_and_reader_at_most():
     for kind in ("reader", "writer"):
         suffixes = [s for c in registry().components(kind) for s in c.spec.suffixes]
         assert len(suffixes) == len(set(suffixes))
+
+
+@pytest.mark.parametrize("kind", [str, Path])
+def test_a_path_may_be_a_text(tmp_path, box, kind):
+    """Every public function that reads or writes a file takes both."""
+
+    def at(name):
+        return kind(tmp_path / name)
+
+    result = result_on(box)
+    moseg_core.save(result, at("x.json"))
+    moseg_core.save_labels(result.labels, at("x.seg"))
+    moseg_core.write_file(at("x.off"), b"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")
+    for name in ("x.json", "x.seg"):
+        found = moseg_core.read_labels(at(name), box.n_elements)
+        assert found.labels.tolist() == result.labels.tolist()
+    assert read_result(at("x.json")).names == result.problem.labels
+    assert moseg_core.load(at("x.off")).n_elements == 1
+    for read in (lambda path: moseg_core.read_labels(path, 3), read_result, moseg_core.load):
+        with pytest.raises(MosegError, match="none"):
+            read(at("none.json" if read is not moseg_core.load else "none.off"))
