@@ -94,17 +94,20 @@ class ExpressionError(UsageError):
 
 
 def nearest(name: str, known: Iterable[str]) -> str | None:
-    """The known name most like `name`, or None where nothing is close.
+    """The known name most like `name`, or one of which it is a word; None where nothing is close.
 
     Examples
     --------
     >>> nearest("narow", ["flat", "narrow"])
     'narrow'
+    >>> nearest("dove", ["hand", "paper_dove"])
+    'paper_dove'
     >>> nearest("zzz", ["flat", "narrow"]) is None
     True
     """
-    matches = difflib.get_close_matches(name, list(known), n=1, cutoff=0.6)
-    return matches[0] if matches else None
+    names = list(known)
+    matches = difflib.get_close_matches(name, names, n=1, cutoff=0.6)
+    return next(iter(matches or (other for other in names if name in other.split("_"))), None)
 
 
 def unknown(kind: str, name: str, known: Iterable[str]) -> str:
