@@ -17,16 +17,16 @@ For each case: the cost of the truth, and the median and the best over the seeds
 cheaper than the median that was found, the search has failed. Truth is people's labels, a label of
 a super-element being the one of most of its area.
 
-Cases are the five samples under their recipes and, where the folder of the Princeton Segmentation
-Benchmark is given (meshes in ``off``, named labels in ``labels``), ten of its models. Others come
-from a TOML file, ``mapping`` from the truth's names to the recipe's: to one label, or to several
-for the connected pieces from large to small; "" gives an area to its neighbours::
+Cases are the five samples under the printed recipes and, where the folder of the Princeton
+Segmentation Benchmark is given (meshes in ``off``, named labels in ``labels``), ten of its models.
+Others come from a TOML file, ``mapping`` from the names of the truth to labels: to one, or to
+several for the connected pieces from large to small; "" gives an area to its neighbours::
 
     [[case]]
     name = "horse 389"
     mesh = "off/389.off"
     truth = "labels/389_labels.txt"
-    recipe = "horse"
+    recipe = "paper_horse"
     mapping = {torso = "body", head = "head", leg = ["leg1", "leg2", "leg3", "leg4"], tail = ""}
 
 A recipe is a name or a file, and `mesh`, `truth` and such a file are sought in the folder of the
@@ -82,13 +82,13 @@ class Case:
 
 
 def sample_cases() -> list[Case]:
-    """The samples, whose truth has the names of their recipes."""
+    """The samples, whose truth has the names of the printed recipes."""
     return [
         Case(
             name=name,
             mesh=moseg.sample_path(name),
             truth=moseg.sample_labels_path(name),
-            recipe=name,
+            recipe=f"paper_{name}",
         )
         for name in ("hammer", "horse", "bulldog", "dove", "octopus")
     ]
@@ -101,9 +101,9 @@ def benchmark_cases(folder: Path) -> list[Case]:
     octopus = {"body": "head", "leg": [f"arm{k}" for k in range(1, 9)]}
     bird = {"head": "body", "leg": "body", "wing": ["wing1", "wing2"]}
     models: list[tuple[str, Mapping[str, Target], Iterable[int]]] = [
-        ("horse", animal, (381, 385, 393, 397)),
-        ("octopus", octopus, (121, 129, 133)),
-        ("dove", bird, (241, 245, 257)),
+        ("paper_horse", animal, (381, 385, 393, 397)),
+        ("paper_octopus", octopus, (121, 129, 133)),
+        ("paper_dove", bird, (241, 245, 257)),
     ]
     return [
         Case(

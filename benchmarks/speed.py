@@ -77,8 +77,8 @@ def flood_table(shape: moseg.Shape) -> None:
 
 
 def evaluation_table(shape: moseg.Shape) -> None:
-    """A poll around the k-means start under the recipe horse."""
-    recipe = moseg.load_recipe("horse")
+    """A poll around the k-means start under the recipe paper_horse."""
+    recipe = moseg.load_recipe("paper_horse")
     problem = moseg.Problem(recipe.labels, recipe.minimize)
     n = len(problem.labels)
     voronoi = Voronoi(shape, n)
@@ -110,7 +110,7 @@ def evaluation_table(shape: moseg.Shape) -> None:
         "partition alone, all cores": median(lambda: voronoi.labels(poll), 5),
     }
     slowest = rows["every term, nothing remembered"]
-    print(f"\na poll of {size} candidates, recipe horse, ms a candidate")
+    print(f"\na poll of {size} candidates, recipe paper_horse, ms a candidate")
     for name, total in rows.items():
         print(f"  {name:40s}{total / size:8.2f}   1 : {slowest / total:.1f}")
 

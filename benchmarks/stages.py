@@ -3,8 +3,8 @@
     python benchmarks/stages.py [MESH [FINER]]
 
 The sample horse unless another mesh is given, as it is and either with each face cut into nine
-(87 000) or beside a finer mesh of the same surface, under the recipe horse. A generation and a
-poll, with the same centres on both, are measured on the coarse shape and on the input elements,
+(87 000) or beside a finer mesh of the same surface, under the recipe paper_horse. A generation and
+a poll, with the same centres on both, are measured on the coarse shape and on the input elements,
 each in the processor time of this process, so that what else the machine does matters less. The
 last column is the ratio of the larger mesh to the smaller.
 """
@@ -74,7 +74,7 @@ def some_centers(shape: moseg.Shape, n: int) -> list[Centers]:
 
 def stages(shape: moseg.Shape, people: list[Centers]) -> dict[str, float]:
     """Milliseconds by stage."""
-    recipe = moseg.load_recipe("horse")
+    recipe = moseg.load_recipe("paper_horse")
     problem = moseg.Problem(recipe.labels, recipe.minimize)
     n = len(problem.labels)
     coarse = moseg.coarsen(shape)
@@ -112,7 +112,7 @@ def main() -> None:
     path = Path(sys.argv[1]) if len(sys.argv) > 1 else moseg.sample_path("horse")
     small = moseg.load(path)
     large = moseg.load(sys.argv[2]) if len(sys.argv) > 2 else cut_up(small, 3)
-    people = some_centers(small, len(moseg.load_recipe("horse").labels))
+    people = some_centers(small, len(moseg.load_recipe("paper_horse").labels))
     before, after = stages(small, people), stages(large, people)
     print(f"{'ms, processor time':40s}{small.n_elements:>10d}{large.n_elements:>10d}{'ratio':>9s}")
     for name, value in before.items():

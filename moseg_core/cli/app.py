@@ -60,7 +60,7 @@ def segment(
 
     Examples
     --------
-    moseg segment horse.off --recipe horse -o horse.glb -o horse.json
+    moseg segment horse.off --recipe fourleg -o horse.glb -o horse.json
 
     moseg segment hammer.ply --labels handle,head
     --minimize "3*narrow(handle) + perpendicular(handle, head) + convex_parts"
@@ -109,7 +109,7 @@ def explain(
     --------
     moseg explain horse.json
 
-    moseg explain horse.off --recipe horse --parts mine.seg
+    moseg explain horse.off --recipe fourleg --parts mine.seg
 
     Parameters
     ----------

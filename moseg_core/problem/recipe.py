@@ -66,7 +66,7 @@ class Recipe:
 
     Examples
     --------
-    >>> load_recipe("hammer").statement.labels
+    >>> load_recipe("paper_hammer").statement.labels
     ('handle', 'head')
     """
 
@@ -94,7 +94,7 @@ class Recipe:
 
         Examples
         --------
-        >>> load_recipe("hammer").problem().labels
+        >>> load_recipe("paper_hammer").problem().labels
         ('handle', 'head')
         """
         return Problem.of(self.statement, registry=source)
@@ -109,7 +109,7 @@ class Recipe:
 
         Examples
         --------
-        >>> load_recipe("hammer").hierarchy().labels
+        >>> load_recipe("paper_hammer").hierarchy().labels
         ('handle', 'head')
         """
         return Hierarchy.of(self.statement, registry=source)
@@ -177,7 +177,7 @@ def load_recipe(name: str, *, source: Registry | None = None) -> Recipe:
 
     Examples
     --------
-    >>> load_recipe("hammer").labels
+    >>> load_recipe("paper_hammer").labels
     ('handle', 'head')
     """
     return _Library(registry() if source is None else source).load(name)

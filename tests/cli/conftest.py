@@ -63,5 +63,5 @@ def open_box(tmp_path):
 @pytest.fixture
 def segmented(moseg, mallet, tmp_path):
     result = tmp_path / "m.json"
-    assert moseg("segment", mallet, "--recipe", "hammer", "-o", result).code == 0
+    assert moseg("segment", mallet, "--recipe", "paper_hammer", "-o", result).code == 0
     return result

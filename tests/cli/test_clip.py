@@ -21,7 +21,7 @@ def test_surfaces_are_clipped_and_labels_are_not(moseg, mallet, tmp_path):
     )
     for outputs, more in ((plain, ()), (smooth, ("--clip",))):
         words = [word for output in outputs for word in ("-o", output)]
-        run = moseg("segment", mallet, "--recipe", "hammer", *QUICK, *words, *more)
+        run = moseg("segment", mallet, "--recipe", "paper_hammer", *QUICK, *words, *more)
         assert run.code == 0
         assert ("faces into" in run.err) == bool(more)
     for before, after in zip(plain, smooth, strict=True):
@@ -49,7 +49,7 @@ def test_surfaces_are_clipped_and_labels_are_not(moseg, mallet, tmp_path):
 
 
 def test_refined_boundaries_are_refused_before_the_search(moseg, mallet):
-    run = moseg("segment", mallet, "--recipe", "hammer", "--clip", "--refiner", "graph_cut")
+    run = moseg("segment", mallet, "--recipe", "paper_hammer", "--clip", "--refiner", "graph_cut")
     assert run.code == 2
     assert "boundaries that the refiner 'core:graph_cut' of moseg-core" in run.err
     assert "(--refiner none)" in run.err

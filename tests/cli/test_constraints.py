@@ -62,7 +62,7 @@ def test_a_space_without_its_embedding_is_pointed_at(moseg, hammer):
 def test_none_leaves_out_what_a_recipe_has(moseg, tmp_path):
     dove, out = str(moseg_core.sample_path("dove")), tmp_path / "a.json"
     done = moseg(
-        "segment", dove, "--recipe", "dove", "--constraint", "none", *SHORT, "-o", str(out)
+        "segment", dove, "--recipe", "paper_dove", "--constraint", "none", *SHORT, "-o", str(out)
     )
     assert done.code == 0, done.err
     document = json.loads(out.read_text())

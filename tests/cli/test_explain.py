@@ -23,7 +23,7 @@ def test_explain_a_labelling_made_by_hand(moseg, mallet, segmented, tmp_path):
     kept = json.loads(segmented.read_text())
     seg = tmp_path / "mine.seg"
     seg.write_text("".join(f"{label}\n" for label in kept["labels"]))
-    run = moseg("explain", mallet, "--recipe", "hammer", "--parts", seg, "--json")
+    run = moseg("explain", mallet, "--recipe", "paper_hammer", "--parts", seg, "--json")
     assert json.loads(run.out)["cost"]["value"] == kept["cost"]["value"]
     # A result's labels are matched by name, whatever their order in the problem asked about.
     run = moseg(
@@ -43,7 +43,7 @@ def test_explain_a_labelling_made_by_hand(moseg, mallet, segmented, tmp_path):
 def test_explain_says_what_is_missing(moseg, mallet, segmented, tmp_path):
     assert moseg("explain", mallet).code == 2
     assert "--parts" in moseg("explain", mallet).err
-    assert moseg("explain", segmented, "--recipe", "hammer").code == 2
+    assert moseg("explain", segmented, "--recipe", "paper_hammer").code == 2
     other = tmp_path / "other.json"
     other.write_text("{}")
     run = moseg("explain", other)
@@ -59,7 +59,7 @@ def test_explain_says_what_is_missing(moseg, mallet, segmented, tmp_path):
 def test_explain_of_a_labelling_with_an_empty_part(moseg, mallet, segmented, tmp_path):
     seg = tmp_path / "one.seg"
     seg.write_text("0\n" * len(json.loads(segmented.read_text())["labels"]))
-    run = moseg("explain", mallet, "--recipe", "hammer", "--parts", seg)
+    run = moseg("explain", mallet, "--recipe", "paper_hammer", "--parts", seg)
     assert run.code == 0
     assert "part 'head' is empty" in run.err
     assert "left out" in run.out

@@ -59,7 +59,9 @@ main(sys.argv[1:])
 
 def test_ctrl_c_writes_the_best_so_far_when_outputs_were_asked_for(mallet, tmp_path):
     out = tmp_path / "cut.json"
-    code, _, err = interrupted(["segment", str(mallet), "--recipe", "hammer", "-o", str(out)], ".")
+    code, _, err = interrupted(
+        ["segment", str(mallet), "--recipe", "paper_hammer", "-o", str(out)], "."
+    )
     assert code == 130
     assert "finishing with the best so far" in err
     assert json.loads(out.read_text())["reason"] == "interrupted"
@@ -67,7 +69,7 @@ def test_ctrl_c_writes_the_best_so_far_when_outputs_were_asked_for(mallet, tmp_p
 
 
 def test_ctrl_c_without_outputs_ends_at_once(mallet, tmp_path):
-    code, out, err = interrupted(["segment", str(mallet), "--recipe", "hammer"], ".")
+    code, out, err = interrupted(["segment", str(mallet), "--recipe", "paper_hammer"], ".")
     assert code == 130
     assert out == ""
     assert "interrupted" in err

@@ -16,7 +16,7 @@ SVG = "{http://www.w3.org/2000/svg}"
 def segmented(moseg, mallet, tmp_path):
     """A result, and its curves as the same run wrote them."""
     result, chart = tmp_path / "m.json", tmp_path / "m.svg"
-    run = moseg("segment", mallet, "--recipe", "hammer", "-o", result, "-o", chart)
+    run = moseg("segment", mallet, "--recipe", "paper_hammer", "-o", result, "-o", chart)
     assert run.code == 0
     return result, chart
 

@@ -44,9 +44,9 @@ def test_explain_other_kinds(moseg):
     seeder = " ".join(moseg("plugin", "explain", "kmeans").out.split())
     assert "rounds = 100 whole number, 1 or more Most rounds to run." in seeder
     assert "Algorithm 2" in seeder  # where it comes from, in the words of its module
-    assert "moseg recipes basic:hammer" in moseg("plugin", "explain", "hammer").out
-    assert "to use it moseg segment SHAPE --recipe basic:hammer -o x.png" in " ".join(
-        moseg("plugin", "explain", "hammer").out.split()
+    assert "moseg recipes basic:paper_hammer" in moseg("plugin", "explain", "paper_hammer").out
+    assert "to use it moseg segment SHAPE --recipe basic:paper_hammer -o x.png" in " ".join(
+        moseg("plugin", "explain", "paper_hammer").out.split()
     )
     assert "--recipe basic:any_shape --parts 5" in moseg("plugin", "explain", "any_shape").out
     assert ".off" in moseg("plugin", "explain", "core:off").out

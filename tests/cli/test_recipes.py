@@ -18,7 +18,7 @@ def test_lists_what_is_installed(moseg):
     lines = run.out.splitlines()
     assert lines[0].split() == ["recipe", "bundle", "parts", "description"]
     assert len(lines) >= 1 + len(registry().components("recipe"))
-    hammer = next(line for line in lines if line.startswith("hammer"))
+    hammer = next(line for line in lines if line.startswith("hammer "))
     assert "basic" in hammer
     assert load_recipe("hammer").description in hammer
     assert hammer.split()[2] == "2"
@@ -36,17 +36,17 @@ def test_lists_as_json(moseg):
 
 
 def test_prints_a_recipe_as_it_was_shipped(moseg, tmp_path):
-    text = registry().find("recipe", "horse").load()
+    text = registry().find("recipe", "paper_horse").load()
     assert moseg("recipes", "any_shape").out == registry().find("recipe", "any_shape").load()
-    for name in ("horse", "basic:horse"):
+    for name in ("paper_horse", "basic:paper_horse"):
         run = moseg("recipes", name)
         assert (run.code, run.out, run.err) == (0, text, "")
     mine = tmp_path / "mine.toml"
     mine.write_text(run.out)
-    assert load_recipe(str(mine)).labels == load_recipe("horse").labels
-    told = json.loads(moseg("recipes", "horse", "--json").out)
+    assert load_recipe(str(mine)).labels == load_recipe("paper_horse").labels
+    told = json.loads(moseg("recipes", "paper_horse", "--json").out)
     assert told["toml"] == text
-    assert told["minimize"] == load_recipe("horse").minimize
+    assert told["minimize"] == load_recipe("paper_horse").minimize
 
 
 def test_an_unknown_recipe_suggests(moseg):
@@ -99,10 +99,10 @@ def test_a_result_goes_on_with_the_same_components_whatever_is_installed(
     moseg, install_stranger, mallet, tmp_path
 ):
     before, after, again = (tmp_path / f"{k}.json" for k in ("before", "after", "again"))
-    done = moseg("segment", mallet, "--recipe", "dove", *QUICK, "-o", before)
+    done = moseg("segment", mallet, "--recipe", "paper_dove", *QUICK, "-o", before)
     assert done.code == 0, done.err
     install_stranger()
-    done = moseg("segment", mallet, "--recipe", "dove", *QUICK, "-o", after)
+    done = moseg("segment", mallet, "--recipe", "paper_dove", *QUICK, "-o", after)
     assert done.code == 0, done.err
     alone, crowded = (json.loads(path.read_text()) for path in (before, after))
     assert "basic:narrow(" in crowded["problem"]["minimize"]
@@ -119,7 +119,7 @@ def test_a_result_goes_on_with_the_same_components_whatever_is_installed(
 
 def test_a_result_in_an_embedding_goes_on_in_the_same(moseg, install_stranger, mallet, tmp_path):
     before, again = tmp_path / "before.json", tmp_path / "again.json"
-    given = ("--recipe", "hammer", "--embedding", "mds(landmarks=20, refine=5)")
+    given = ("--recipe", "paper_hammer", "--embedding", "mds(landmarks=20, refine=5)")
     done = moseg("segment", mallet, *given, *QUICK, "-o", before)
     assert done.code == 0, done.err
     install_stranger()
@@ -129,7 +129,7 @@ def test_a_result_in_an_embedding_goes_on_in_the_same(moseg, install_stranger, m
     assert problem["embedding"] == "mds:mds(landmarks=20, refine=5)"
 
 
-@pytest.mark.parametrize("name", ["bulldog", "symmetry_then_convex"])
+@pytest.mark.parametrize("name", ["paper_bulldog", "symmetry_then_convex"])
 def test_a_printed_recipe_means_the_same_in_a_file_of_ones_own(
     moseg, install_stranger, tmp_path, name
 ):

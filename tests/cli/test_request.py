@@ -12,19 +12,19 @@ from moseg_core.problem.recipe import load_recipe
 
 
 def test_options_replace_what_the_recipe_says_and_nothing_else():
-    recipe = load_recipe("bulldog").statement
-    assert read_statement(SearchedProblemFlags(recipe="bulldog")) == recipe
-    changed = read_statement(SearchedProblemFlags(recipe="bulldog", minimize="narrow(leg*)"))
+    recipe = load_recipe("paper_bulldog").statement
+    assert read_statement(SearchedProblemFlags(recipe="paper_bulldog")) == recipe
+    changed = read_statement(SearchedProblemFlags(recipe="paper_bulldog", minimize="narrow(leg*)"))
     assert (changed.labels, changed.minimize) == (recipe.labels, "narrow(leg*)")
     assert (changed.constraints, changed.plane) == (recipe.constraints, recipe.plane)
 
 
 def test_none_leaves_out_what_the_recipe_has():
-    found = read_statement(SearchedProblemFlags(recipe="bulldog", constraint=["none"]))
+    found = read_statement(SearchedProblemFlags(recipe="paper_bulldog", constraint=["none"]))
     assert found.constraints == ()
-    octopus = load_recipe("octopus").statement
+    octopus = load_recipe("paper_octopus").statement
     assert octopus.embedding is not None
-    found = read_statement(ProblemFlags(recipe="octopus", embedding="none"))
+    found = read_statement(ProblemFlags(recipe="paper_octopus", embedding="none"))
     assert (found.embedding, found.space) == (None, None)
 
 

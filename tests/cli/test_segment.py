@@ -20,7 +20,7 @@ EXPRESSION = "3*narrow(handle) + perpendicular(handle, head) + convex_parts"
 def test_writes_every_format_and_prints_tables(moseg, mallet, tmp_path):
     outputs = [tmp_path / f"m.{suffix}" for suffix in ("json", "seg", "ply", "glb", "png", "svg")]
     words = [word for output in outputs for word in ("-o", output)]
-    run = moseg("segment", mallet, "--recipe", "hammer", *words)
+    run = moseg("segment", mallet, "--recipe", "paper_hammer", *words)
     assert run.code == 0
     assert "handle" in run.out
     assert "narrow" in run.out
@@ -60,7 +60,7 @@ def test_finds_the_mallets_head(moseg, mallet, tmp_path):
 
 
 def test_json_summary_is_alone_on_stdout(moseg, mallet):
-    run = moseg("segment", mallet, "--recipe", "hammer", "--json")
+    run = moseg("segment", mallet, "--recipe", "paper_hammer", "--json")
     summary = json.loads(run.out)
     assert run.code == 0
     assert sum(part["area_share"] for part in summary["parts"]) == pytest.approx(1)
@@ -106,16 +106,19 @@ def test_expression_is_checked_before_the_shape_is_read(moseg, mallet, tmp_path,
         ([], "--recipe NAME"),
         (["--recipe", "hamer"], "did you mean 'hammer'?"),
         (["--recipe", "nowhere/x.toml"], "cannot be read"),
-        (["--recipe", "hammer", "--seeder", "kmean"], "did you mean 'kmeans'?"),
-        (["--recipe", "hammer", "--seeder", "kmeans(round=3)"], "did you mean 'rounds'?"),
-        (["--recipe", "hammer", "--optimizer", "pattern_search(contraction=2)"], "0.01 to 0.99"),
-        (["--recipe", "hammer", "--labeler", "greedy("], "expected"),
-        (["--recipe", "hammer", "--plane", "x"], "--constraint 'on_plane(handle)'"),
-        (["--recipe", "hammer", "--seed", "-1"], "seed"),
-        (["--recipe", "hammer", "--seed", "x"], "--seed"),
-        (["--recipe", "hammer", "-o", "x.docx"], ".docx"),
-        (["--recipe", "hammer", "-o", "nowhere/x.json"], "no folder"),
-        (["--recipe", "hammer", "--sed", "3"], "--sed"),
+        (["--recipe", "paper_hammer", "--seeder", "kmean"], "did you mean 'kmeans'?"),
+        (["--recipe", "paper_hammer", "--seeder", "kmeans(round=3)"], "did you mean 'rounds'?"),
+        (
+            ["--recipe", "paper_hammer", "--optimizer", "pattern_search(contraction=2)"],
+            "0.01 to 0.99",
+        ),
+        (["--recipe", "paper_hammer", "--labeler", "greedy("], "expected"),
+        (["--recipe", "paper_hammer", "--plane", "x"], "--constraint 'on_plane(handle)'"),
+        (["--recipe", "paper_hammer", "--seed", "-1"], "seed"),
+        (["--recipe", "paper_hammer", "--seed", "x"], "--seed"),
+        (["--recipe", "paper_hammer", "-o", "x.docx"], ".docx"),
+        (["--recipe", "paper_hammer", "-o", "nowhere/x.json"], "no folder"),
+        (["--recipe", "paper_hammer", "--sed", "3"], "--sed"),
     ],
 )
 def test_usage_errors_are_one_line_and_exit_2(moseg, mallet, words, says):
@@ -153,14 +156,14 @@ def test_bad_shapes_are_one_line_and_exit_3(moseg, tmp_path, content, says):
 def test_unknown_format_exits_2_and_lists_formats(moseg, tmp_path):
     path = tmp_path / "x.step"
     path.write_text("0 0 0\n")
-    run = moseg("segment", path, "--recipe", "hammer")
+    run = moseg("segment", path, "--recipe", "paper_hammer")
     assert run.code == 2
     assert ".off" in run.err
 
 
 def test_an_open_mesh_is_refused_for_convex_parts(moseg, open_box, tmp_path):
     out = tmp_path / "out.json"
-    run = moseg("segment", open_box, "--recipe", "hammer", "-o", out)
+    run = moseg("segment", open_box, "--recipe", "paper_hammer", "-o", out)
     assert run.code == 3
     assert "'convex_parts' needs an enclosed volume" in run.err
     assert "boundary edges" in run.err
@@ -197,7 +200,7 @@ def test_bytes_do_not_depend_on_the_process(mallet, tmp_path):
 
 def test_nothing_but_the_outputs_is_left_behind(moseg, mallet, tmp_path):
     before = set(os.listdir(tmp_path))
-    moseg("segment", mallet, "--recipe", "hammer", "-o", tmp_path / "a.json")
+    moseg("segment", mallet, "--recipe", "paper_hammer", "-o", tmp_path / "a.json")
     assert set(os.listdir(tmp_path)) - before == {"a.json"}
 
 
@@ -215,7 +218,7 @@ def test_a_full_disk_or_read_only_folder_is_a_failure(moseg, mallet, tmp_path, m
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr("moseg_core.io.files.tempfile.mkstemp", no_space)
-    run = moseg("segment", mallet, "--recipe", "hammer", "-o", tmp_path / "a.json")
+    run = moseg("segment", mallet, "--recipe", "paper_hammer", "-o", tmp_path / "a.json")
     assert run.code == 1
     assert "No space left on device" in run.err
     assert not Path(tmp_path / "a.json").exists()

@@ -65,7 +65,7 @@ FEW = ("--optimizer", "pattern_search(max_evaluations=5)")
 def test_boundaries_are_refined_and_a_start_goes_on_from_the_centres(moseg, mallet, tmp_path):
     plain, cut, after = (tmp_path / f"{name}.json" for name in ("plain", "cut", "after"))
     askew = ("--centers", "handle=-1,0,0,head=1.5,0,0")
-    problem = ("segment", mallet, "--recipe", "hammer", *FEW, *askew)
+    problem = ("segment", mallet, "--recipe", "paper_hammer", *FEW, *askew)
     assert moseg(*problem, "-o", plain).code == 0
     run = moseg(*problem, "--refiner", CUT, "-o", cut)
     assert run.code == 0, run.err
@@ -83,7 +83,7 @@ def test_boundaries_are_refined_and_a_start_goes_on_from_the_centres(moseg, mall
 
 def test_a_recipes_refiner_is_left_out_on_request(moseg, mallet, tmp_path):
     recipe, out = tmp_path / "mine.toml", tmp_path / "out.json"
-    text = moseg("recipes", "hammer").out
+    text = moseg("recipes", "paper_hammer").out
     recipe.write_text(f"{text}\nrefiner = {CUT!r}\n")
     asked = ("segment", mallet, "--recipe", recipe, *FEW, "-o", out)
     assert moseg(*asked).code == 0
@@ -95,26 +95,32 @@ def test_a_recipes_refiner_is_left_out_on_request(moseg, mallet, tmp_path):
 @pytest.mark.parametrize(
     ("words", "says"),
     [
-        (["--recipe", "hammer", "--refiner", "graph_cat"], "did you mean 'graph_cut'"),
-        (["--recipe", "hammer", "--refiner", "graph_cut(bend=1)"], "did you mean 'band'"),
-        (["--recipe", "hammer", "--refiner", "graph_cut(band=2)"], "allowed is 0 to 1"),
+        (["--recipe", "paper_hammer", "--refiner", "graph_cat"], "did you mean 'graph_cut'"),
+        (["--recipe", "paper_hammer", "--refiner", "graph_cut(bend=1)"], "did you mean 'band'"),
+        (["--recipe", "paper_hammer", "--refiner", "graph_cut(band=2)"], "allowed is 0 to 1"),
         (
-            ["--recipe", "hammer", "--refiner", "graph_cut(field=creases)"],
+            ["--recipe", "paper_hammer", "--refiner", "graph_cut(field=creases)"],
             "goes by the field 'creases': unknown field 'creases'",
         ),
-        (["--recipe", "hammer", "--centers", "handle=0,0,0"], "'head' needs three coordinates"),
-        (["--recipe", "hammer", "--centers", "head=90,0,0,handle=0,0,0"], "'head' gets no part"),
-        (["--recipe", "hammer", "--seeder", "given"], "parameter 'centers' is missing"),
         (
-            ["--recipe", "hammer", "--seeder", "kmeans", "--centers", "a=1,2,3"],
+            ["--recipe", "paper_hammer", "--centers", "handle=0,0,0"],
+            "'head' needs three coordinates",
+        ),
+        (
+            ["--recipe", "paper_hammer", "--centers", "head=90,0,0,handle=0,0,0"],
+            "'head' gets no part",
+        ),
+        (["--recipe", "paper_hammer", "--seeder", "given"], "parameter 'centers' is missing"),
+        (
+            ["--recipe", "paper_hammer", "--seeder", "kmeans", "--centers", "a=1,2,3"],
             "--centers goes with a seeder that takes centres, 'core:given', not 'kmeans'",
         ),
-        (["--recipe", "hammer", "--pin", "head"], "write --pin label=120,121"),
-        (["--recipe", "hammer", "--pin", "head=a"], "write --pin label=120,121"),
-        (["--recipe", "hammer", "--pin", "haed=1"], "did you mean 'head'"),
-        (["--recipe", "hammer", "--pin", "head=99999"], "there is no element 99999"),
-        (["--recipe", "hammer", "--freeze", "handel"], "did you mean 'handle'"),
-        (["--recipe", "hammer", "--restarts", "0"], "at least one start"),
+        (["--recipe", "paper_hammer", "--pin", "head"], "write --pin label=120,121"),
+        (["--recipe", "paper_hammer", "--pin", "head=a"], "write --pin label=120,121"),
+        (["--recipe", "paper_hammer", "--pin", "haed=1"], "did you mean 'head'"),
+        (["--recipe", "paper_hammer", "--pin", "head=99999"], "there is no element 99999"),
+        (["--recipe", "paper_hammer", "--freeze", "handel"], "did you mean 'handle'"),
+        (["--recipe", "paper_hammer", "--restarts", "0"], "at least one start"),
         (["--start", "nowhere.json"], "cannot be read as a result"),
     ],
 )
@@ -127,7 +133,7 @@ def test_mistakes_exit_2_in_one_line(moseg, mallet, words, says):
 
 def test_a_start_with_other_labels_is_refused(moseg, mallet, tmp_path):
     first = tmp_path / "first.json"
-    assert moseg("segment", mallet, "--recipe", "hammer", "-o", first).code == 0
+    assert moseg("segment", mallet, "--recipe", "paper_hammer", "-o", first).code == 0
     run = moseg(
         *("segment", mallet, "--start", first, "--labels", "a,b", "--minimize", "narrow(a)")
     )

@@ -259,7 +259,10 @@ def test_a_recipe_means_its_own_objectives_beside_others_of_the_same_name():
     crowded = Registry(
         [*others.bundles, Bundle("rival", "rival", "1.0", "rival", components=(rival,))]
     )
-    alone, beside = load_recipe("hammer", source=others), load_recipe("hammer", source=crowded)
+    alone, beside = (
+        load_recipe("paper_hammer", source=others),
+        load_recipe("paper_hammer", source=crowded),
+    )
     assert alone.minimize.startswith("3*narrow(handle)")
     assert beside.minimize == (
         "3*basic:narrow(handle) + perpendicular(handle, head) + convex_parts"

@@ -56,9 +56,9 @@ def test_the_order_of_tables_does_not_matter():
 
 
 def test_an_installed_recipe_for_a_part():
-    recipe = parse_recipe(f'{TOP}[parts.head]\nrecipe = "hammer"', "mine")
+    recipe = parse_recipe(f'{TOP}[parts.head]\nrecipe = "paper_hammer"', "mine")
     assert recipe.hierarchy().labels[:2] == ("head/handle", "head/head")
-    assert dict(recipe.statement.parts)["head"] == load_recipe("hammer").statement
+    assert dict(recipe.statement.parts)["head"] == load_recipe("paper_hammer").statement
 
 
 def test_paths_are_relative_to_the_file_that_gives_them(tmp_path, monkeypatch):
@@ -95,11 +95,11 @@ def test_a_recipe_that_is_among_its_own_parts_ends(tmp_path):
         ('[parts.head]\nrecipe = "hamer"', r"^unknown recipe 'hamer'; did you mean 'hammer'"),
         ("[parts.head]\nrecipe = 3", r"^recipe 'mine/head': 'recipe' must be a text; it is 3"),
         (
-            '[parts.head]\nrecipe = "hammer"\nseeder = "kmeans"',
+            '[parts.head]\nrecipe = "paper_hammer"\nseeder = "kmeans"',
             r"^recipe 'mine/head': 'recipe' stands alone, without 'seeder'",
         ),
         (
-            f'[parts.head]\n{EARS}[parts.head.parts.ear]\nrecipe = "hammer"',
+            f'[parts.head]\n{EARS}[parts.head.parts.ear]\nrecipe = "paper_hammer"',
             r"^recipe 'mine/head': parts: unknown label 'ear'; did you mean 'ear",
         ),
         (

@@ -133,7 +133,7 @@ def test_centres_by_hand_are_a_seeder():
 
 
 def test_what_belongs_to_a_run_is_refused_where_a_method_is_meant():
-    for wrong in (SearchOptions(seed=5), {"seeder": "kmeans"}, load_recipe("hammer")):
+    for wrong in (SearchOptions(seed=5), {"seeder": "kmeans"}, load_recipe("paper_hammer")):
         with pytest.raises(UsageError, match=r"must be a Method, .* belong to the run"):
             Statement(labels=("a",), minimize="narrow(a)", search=wrong)
         with pytest.raises(UsageError, match=r"a hierarchy's search must be a Method"):

@@ -75,7 +75,9 @@ def test_a_recipe_reads_back_as_it_was(stated, description):
     assert parse_recipe(recipe.toml(), "mine") == recipe
 
 
-@pytest.mark.parametrize("name", ["hammer", "horse", "bulldog", "dove", "octopus"])
+@pytest.mark.parametrize(
+    "name", ["paper_hammer", "fourleg", "paper_bulldog", "paper_dove", "paper_octopus"]
+)
 def test_the_command_line_and_the_recipe_say_the_same(name):
     stated = load_recipe(name).statement
     flags = SearchedProblemFlags(

@@ -1,4 +1,4 @@
-"""Real models: a cow of the Princeton Segmentation Benchmark under the recipe horse.
+"""Real models: a cow of the Princeton Segmentation Benchmark under the recipe paper_horse.
 
 Looks for the models in the folder that ``MOSEG_PSB`` names, and is skipped without it.
 """
@@ -29,7 +29,7 @@ def test_a_cow_is_cut_into_connected_parts_with_equal_bytes(tmp_path):
         subprocess.run(
             [
                 *(sys.executable, "-m", "moseg_core", "segment", str(model)),
-                *("--recipe", "horse", "-o", str(tmp_path / f"{run}.json"), "--quiet"),
+                *("--recipe", "paper_horse", "-o", str(tmp_path / f"{run}.json"), "--quiet"),
             ],
             env={**os.environ, "PYTHONHASHSEED": run},
             check=True,

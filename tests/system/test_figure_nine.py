@@ -1,5 +1,7 @@
 """The five recipes of the paper's Figure 9 on the samples made for them.
 
+``paper_horse`` and such are their names.
+
 What the recipes ask for is not always what the true parts are (``docs/paper.md``): all are held to
 a cost near or below that of the true labels, and those whose recipe says enough to the parts too.
 """
@@ -17,10 +19,10 @@ CONSTRAINED = {"bulldog": (14, 24), "dove": (10, 16)}
 
 
 def solved(name: str) -> tuple[moseg.Result, np.ndarray]:
-    """The result of a recipe on its sample, and the true labels in the recipe's order."""
+    """The result of the paper's recipe on its sample, and the true labels in the recipe's order."""
     shape = moseg.load(moseg.sample_path(name))
     truth = read_labels(moseg.sample_labels_path(name), shape.n_elements)
-    recipe = moseg.load_recipe(name)
+    recipe = moseg.load_recipe(f"paper_{name}")
     problem = recipe.problem()
     result = moseg.segment(shape, problem, defaults=recipe.statement.search, workers=2)
     order = np.array([problem.labels.index(label) for label in truth.names])

@@ -16,7 +16,7 @@ def hammer():
 
 
 def _solve(shape: moseg.Shape) -> moseg.Result:
-    found = moseg.load_recipe("hammer")
+    found = moseg.load_recipe("paper_hammer")
     problem = moseg.Problem(found.labels, found.minimize)
     return moseg.segment(shape, problem, defaults=found.statement.search)
 

@@ -1,4 +1,4 @@
-"""The sample shapes, segmented by their recipes: how near the result comes to the true labels.
+"""The sample shapes, segmented by the paper's recipes: how near results come to the true labels.
 
 The hammer must be found as it lies and under rigid motions, scalings and face orders drawn at
 random: nothing in the method may depend on how a file happens to hold a shape.
@@ -42,7 +42,7 @@ def test_hammer_is_found_as_it_lies_and_moved():
     good = []
     for seed in [None, *range(10)]:
         moved, order = (shape, np.arange(shape.n_elements)) if seed is None else _moved(shape, seed)
-        result = _solve(moved, "hammer")
+        result = _solve(moved, "paper_hammer")
         true = truth.labels[order]
         error = rand_index_error(result.labels, true, moved.areas)
         named = named_right(result.labels, result.problem.labels, true, truth.names, moved.areas)
@@ -54,7 +54,7 @@ def test_hammer_is_found_as_it_lies_and_moved():
 def test_hammer_is_found():
     shape = moseg.load(moseg.sample_path("hammer"))
     truth = _truth("hammer", shape.n_elements)
-    result = _solve(shape, "hammer")
+    result = _solve(shape, "paper_hammer")
     assert result.reason == "converged"
     assert rand_index_error(result.labels, truth.labels, shape.areas) <= 0.05
     assert (
@@ -65,7 +65,7 @@ def test_hammer_is_found():
 
 
 def test_horse_has_all_its_parts_each_in_one_piece():
-    result = _solve(moseg.load(moseg.sample_path("horse")), "horse")
+    result = _solve(moseg.load(moseg.sample_path("horse")), "paper_horse")
     assert result.evaluation.empty == ()
     assert [part.n_components for part in result.parts.values()] == [1] * 6
     assert result.reason == "converged"

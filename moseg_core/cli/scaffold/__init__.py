@@ -78,7 +78,7 @@ SKETCHES: Mapping[str, Sketch] = {
         summary="weighted Voronoi partition in which circles may be diamonds or boxes",
         use=(
             _SAMPLE,
-            "moseg recipes hammer > mine.toml",
+            "moseg recipes paper_hammer > mine.toml",
             "echo 'parameterization = \"minkowski(power=8)\"' >> mine.toml",
             "moseg segment hammer.ply --recipe mine.toml",
         ),
@@ -93,7 +93,7 @@ SKETCHES: Mapping[str, Sketch] = {
         summary="same_weight(leg*): centres of one weight, wherever they are",
         use=(
             "moseg sample horse -o horse.ply",
-            "moseg segment horse.ply --recipe horse --constraint 'same_weight(leg*)'",
+            "moseg segment horse.ply --recipe paper_horse --constraint 'same_weight(leg*)'",
         ),
     ),
     "embedding": Sketch(

@@ -39,8 +39,8 @@ def moseg_recipes() -> list[RecipeSpec]:
     """The recipe of Fig. 9 that unfolds the shape."""
     return [
         RecipeSpec(
-            name="octopus",
-            target=f"{_PACKAGE}.recipes:OCTOPUS",
-            summary="a head and eight arms, however they bend",
+            name="paper_octopus",
+            target=f"{_PACKAGE}.recipes:PAPER_OCTOPUS",
+            summary="as the paper prints it: a head and eight arms, however they bend",
         )
     ]

@@ -271,22 +271,62 @@ def moseg_fields() -> list[FieldSpec]:
 
 @hookimpl
 def moseg_recipes() -> list[RecipeSpec]:
-    """The recipes of Fig. 9 that need no constraint, and that of Fig. 8."""
+    """Shapes as a person would say them; of the paper's those that need no constraint."""
     return [
-        RecipeSpec(
-            name="hammer",
-            target=f"{_PACKAGE}.recipes:HAMMER",
-            summary="a narrow handle and a head set across it",
-        ),
-        RecipeSpec(
-            name="horse",
-            target=f"{_PACKAGE}.recipes:HORSE",
-            summary="a four-legged animal: head, body, four legs",
-        ),
         RecipeSpec(
             name="any_shape",
             target=f"{_PACKAGE}.recipes:ANY_SHAPE",
             summary="any number of parts of any shape: short boundaries in creases, even thickness",
+        ),
+        RecipeSpec(
+            name="hammer",
+            target=f"{_PACKAGE}.recipes:HAMMER",
+            summary="a long, narrow handle and a head set across its end",
+        ),
+        RecipeSpec(
+            name="fourleg",
+            target=f"{_PACKAGE}.recipes:FOURLEG",
+            summary="a four-legged animal: body, neck, head, four legs",
+        ),
+        RecipeSpec(
+            name="bird",
+            target=f"{_PACKAGE}.recipes:BIRD",
+            summary="a bird: body, head, tail, two wings",
+        ),
+        RecipeSpec(
+            name="octopus",
+            target=f"{_PACKAGE}.recipes:OCTOPUS",
+            summary="an octopus: body, eight legs",
+        ),
+        RecipeSpec(
+            name="hand",
+            target=f"{_PACKAGE}.recipes:HAND",
+            summary="a hand: palm, thumb, four fingers",
+        ),
+        RecipeSpec(
+            name="chair",
+            target=f"{_PACKAGE}.recipes:CHAIR",
+            summary="a chair: seat, back, four legs, two arms",
+        ),
+        RecipeSpec(
+            name="table",
+            target=f"{_PACKAGE}.recipes:TABLE",
+            summary="a table: top, four legs",
+        ),
+        RecipeSpec(
+            name="cup",
+            target=f"{_PACKAGE}.recipes:CUP",
+            summary="a cup: body, handle",
+        ),
+        RecipeSpec(
+            name="paper_hammer",
+            target=f"{_PACKAGE}.recipes:PAPER_HAMMER",
+            summary="as the paper prints it: a narrow handle and a head set across it",
+        ),
+        RecipeSpec(
+            name="paper_horse",
+            target=f"{_PACKAGE}.recipes:PAPER_HORSE",
+            summary="as the paper prints it: a four-legged animal, with head, body, four legs",
         ),
         RecipeSpec(
             name="symmetry_then_convex",

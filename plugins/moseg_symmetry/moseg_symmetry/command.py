@@ -26,7 +26,7 @@ def symmetry(shape: Path, /, *, json: bool = False) -> None:
     --------
     moseg symmetry horse.off
 
-    moseg segment horse.off --recipe bulldog --plane 0,0,0,1,0,0
+    moseg segment horse.off --recipe paper_bulldog --plane 0,0,0,1,0,0
 
     Parameters
     ----------

@@ -44,13 +44,13 @@ def moseg_recipes() -> list[RecipeSpec]:
     """The recipes of Fig. 9 with symmetry constraints."""
     return [
         RecipeSpec(
-            name="bulldog",
-            target=f"{_PACKAGE}.recipes:BULLDOG",
-            summary="a symmetric four-legged animal: head, body, two pairs of legs",
+            name="paper_bulldog",
+            target=f"{_PACKAGE}.recipes:PAPER_BULLDOG",
+            summary="as the paper prints it: a symmetric animal with two pairs of legs",
         ),
         RecipeSpec(
-            name="dove",
-            target=f"{_PACKAGE}.recipes:DOVE",
-            summary="a bird in flight: body, two wings, tail",
+            name="paper_dove",
+            target=f"{_PACKAGE}.recipes:PAPER_DOVE",
+            summary="as the paper prints it: a bird in flight, with body, two wings, tail",
         ),
     ]

@@ -4,4 +4,4 @@ from __future__ import annotations
 
 from importlib.resources import files
 
-OCTOPUS = files(__name__).joinpath("octopus.toml").read_text(encoding="utf-8")
+PAPER_OCTOPUS = files(__name__).joinpath("paper_octopus.toml").read_text(encoding="utf-8")

@@ -1,12 +1,28 @@
-"""The recipes of the paper's Figures 8 and 9, as TOML files beside this module."""
+"""Recipes, as TOML files beside this module.
+
+Each says of a shape what a person would: how large, how thick and where its parts are, give or
+take, what touches what, and that parts are separate. A name that begins with ``paper_``, and
+``symmetry_then_convex``, stand for a recipe as the paper's Figures 8 and 9 print it.
+"""
 
 from __future__ import annotations
 
 from importlib.resources import files
 
-HAMMER = files(__name__).joinpath("hammer.toml").read_text(encoding="utf-8")
-HORSE = files(__name__).joinpath("horse.toml").read_text(encoding="utf-8")
-SYMMETRY_THEN_CONVEX = (
-    files(__name__).joinpath("symmetry_then_convex.toml").read_text(encoding="utf-8")
-)
-ANY_SHAPE = files(__name__).joinpath("any_shape.toml").read_text(encoding="utf-8")
+
+def _text(name: str) -> str:
+    return files(__name__).joinpath(f"{name}.toml").read_text(encoding="utf-8")
+
+
+ANY_SHAPE = _text("any_shape")
+BIRD = _text("bird")
+CHAIR = _text("chair")
+CUP = _text("cup")
+FOURLEG = _text("fourleg")
+HAMMER = _text("hammer")
+HAND = _text("hand")
+OCTOPUS = _text("octopus")
+PAPER_HAMMER = _text("paper_hammer")
+PAPER_HORSE = _text("paper_horse")
+SYMMETRY_THEN_CONVEX = _text("symmetry_then_convex")
+TABLE = _text("table")

@@ -4,5 +4,5 @@ from __future__ import annotations
 
 from importlib.resources import files
 
-BULLDOG = files(__name__).joinpath("bulldog.toml").read_text(encoding="utf-8")
-DOVE = files(__name__).joinpath("dove.toml").read_text(encoding="utf-8")
+PAPER_BULLDOG = files(__name__).joinpath("paper_bulldog.toml").read_text(encoding="utf-8")
+PAPER_DOVE = files(__name__).joinpath("paper_dove.toml").read_text(encoding="utf-8")
