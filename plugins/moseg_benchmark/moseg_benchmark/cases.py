@@ -184,25 +184,28 @@ def _measure(
         "cost": result.cost,
         "empty": len(result.evaluation.empty),
     }
-    if named is not None and named.names is not None and _comparable(case, shape, task, named):
+    wanted = _wanted(case, shape, task, named)
+    if wanted is not None:
         values["named_right"] = named_right(
             result.labels.astype(np.int64),
             result.problem.labels,
-            named.labels,
-            named.names,
+            wanted,
+            task.labels,
             shape.areas,
-            rename=case.naming.rename,
         )
     return values, labels
 
 
-def _comparable(case: BenchmarkCase, shape: Shape, task: Hierarchy, named: Labelling) -> bool:
-    """Whether the recipe has a label for everything that is named, so that names say something."""
+def _wanted(
+    case: BenchmarkCase, shape: Shape, task: Hierarchy, named: Labelling | None
+) -> IntArray | None:
+    """The recipe's labels of the named parts; None where it has no label for some of them."""
+    if named is None or named.names is None:
+        return None
     try:
-        labels_of_names(shape, named, task.labels, case.naming)
+        return labels_of_names(shape, named, task.labels, case.naming)
     except UsageError:
-        return False
-    return True
+        return None
 
 
 def _named_parts(case: BenchmarkCase, shape: Shape) -> Labelling | None:

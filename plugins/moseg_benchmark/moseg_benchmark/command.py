@@ -24,7 +24,16 @@ if TYPE_CHECKING:
 
 benchmark = App(name="benchmark", help="How well results agree with people.")
 
-_USUAL_RECIPES = ("Fourleg=horse",)
+#: What models of a category are searched with unless the request names another.
+USUAL_RECIPES = (
+    "Bird=bird",
+    "Chair=chair",
+    "Cup=cup",
+    "Fourleg=fourleg",
+    "Hand=hand",
+    "Octopus=octopus",
+    "Table=table",
+)
 _WIDTH_OFF_TERMINAL = 120
 
 Repeated = Annotated[list[str] | None, Parameter(negative=())]
@@ -60,7 +69,8 @@ def psb(
     category
         Only these models: Fourleg, Human, ... Repeatable.
     recipe_for
-        Which recipe to search a category's models with: Fourleg=horse, or a path. Repeatable.
+        Which recipe to search a category's models with: Fourleg=fourleg, or a path; none searches
+        nothing. Repeatable.
     settings
         "default", "paper", or both with a comma between.
     seeds
@@ -80,7 +90,7 @@ def psb(
     from moseg_core import SearchOptions, available_workers
 
     categories = tuple(check_category(name) for name in category or ())
-    recipes = read_recipes(recipe_for or _USUAL_RECIPES)
+    recipes = read_recipes(recipe_for or USUAL_RECIPES)
     for name in recipes if recipe_for and categories else ():
         if name not in categories:
             raise UsageError(
@@ -113,7 +123,7 @@ def psb(
 
 
 def read_recipes(words: Sequence[str]) -> dict[str, Recipe]:
-    """Recipes by category, from words such as ``Fourleg=horse``.
+    """Recipes by category, from words such as ``Fourleg=fourleg``; no recipe from ``none`` alone.
 
     Raises
     ------
@@ -122,18 +132,18 @@ def read_recipes(words: Sequence[str]) -> dict[str, Recipe]:
 
     Examples
     --------
-    >>> read_recipes(["fourleg=horse"])["Fourleg"].name
-    'horse'
+    >>> read_recipes(["fourleg=paper_horse"])["Fourleg"].name
+    'paper_horse'
     """
     from moseg_benchmark.psb import check_category
     from moseg_core import load_recipe
 
     recipes: dict[str, Recipe] = {}
-    for word in words:
+    for word in () if list(words) == ["none"] else words:
         name, equals, recipe = (piece.strip() for piece in word.partition("="))
         if not equals or not recipe:
             raise UsageError(
-                f"'--recipe-for {word}' is not understood; write --recipe-for Fourleg=horse"
+                f"'--recipe-for {word}' is not understood; write --recipe-for Fourleg=fourleg"
             )
         category = check_category(name)
         if category in recipes:

@@ -2,11 +2,12 @@
 
 People name kinds of parts, a recipe wants instances: four legs are all ``leg`` in the benchmark
 and ``leg1`` to ``leg4`` in the recipe; and one of the two may tell apart what the other does not.
-To ask what the people's parts *cost* under the recipe, each of its labels needs a part:
+To ask what the people's parts *cost* under the recipe, each of its labels needs a part, and the
+area that is *named right* is that of the same labels:
 
-- named parts get the recipe's label of the same kind, after some names are merged into others;
-  where the recipe has several labels of the kind, they go to the connected pieces, largest first,
-  and further pieces to the nearest of those;
+- named parts get the recipe's label of the same kind, or where it has none, of the kind that they
+  belong to (:class:`Naming`); where the recipe has several labels of the kind, they go to the
+  connected pieces, largest first, and further pieces to the nearest of those;
 - a person's part, which has no name, gets the label of the named part that most of its area is in.
 """
 
@@ -27,19 +28,36 @@ IntArray = npt.NDArray[np.int64]
 
 @dataclass(frozen=True)
 class Naming:
-    """How a recipe's labels and the true names go together where they are not the same.
+    """What parts count as under a recipe that has no label of their name.
 
     Parameters
     ----------
-    rename : mapping of str to str
-        For a recipe's label the true name that it is compared with
-        (:func:`moseg_core.agreement.renamed`).
-    merge : mapping of str to str
-        For a true name the recipe's label, without instance number, that it belongs to.
+    belongs_to : mapping of str to tuple of str
+        For a true name kinds of labels, that is labels without instance number: of those the first
+        that the recipe has.
+
+    Examples
+    --------
+    >>> naming = Naming({"tail": ("torso", "body")})
+    >>> naming.kind("tail", ["body", "leg1"]), naming.kind("tail", ["body", "tail"])
+    ('body', 'tail')
     """
 
-    rename: Mapping[str, str] = field(default_factory=dict)
-    merge: Mapping[str, str] = field(default_factory=dict)
+    belongs_to: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+
+    def kind(self, name: str, labels: Sequence[str]) -> str:
+        """The kind of a recipe's labels that parts of a true name get.
+
+        Raises
+        ------
+        UsageError
+            The recipe has no label for them.
+        """
+        kinds = {fold(label) for label in labels}
+        for kind in (fold(name), *self.belongs_to.get(name, ())):
+            if kind in kinds:
+                return kind
+        raise UsageError(f"the recipe has no label for '{name}': {unknown('label', name, kinds)}")
 
 
 def labels_of_names(
@@ -70,11 +88,7 @@ def labels_of_names(
     kinds = [fold(label) for label in labels]
     names_of_kind: dict[str, list[str]] = {}
     for name in sorted({names[k] for k in np.unique(named.labels)}):
-        kind = naming.merge.get(name, fold(name))
-        if kind not in kinds:
-            problem = unknown("label", kind, sorted(set(kinds)))
-            raise UsageError(f"the recipe has no label for '{name}': {problem}")
-        names_of_kind.setdefault(kind, []).append(name)
+        names_of_kind.setdefault(naming.kind(name, labels), []).append(name)
     matched = np.full(shape.n_elements, -1, np.int64)
     for kind, group in names_of_kind.items():
         numbers = [k for k, name in enumerate(names) if name in group]

@@ -32,20 +32,21 @@ _BLOCKS = (
 CATEGORIES = tuple(name for name in _BLOCKS if name)
 """Names of the categories, in the benchmark's order."""
 
-_FOURLEG = Naming(
-    rename={"body": "torso"},
-    merge={"torso": "body", "tail": "body", "neck": "head", "earhorn": "head"},
-)
-
 NAMINGS = {
-    ("Fourleg", "horse"): _FOURLEG,
-    ("Fourleg", "bulldog"): _FOURLEG,
-    ("Octopus", "octopus"): Naming(
-        rename={"head": "body", "arm": "leg"}, merge={"body": "head", "leg": "arm"}
+    "Fourleg": Naming(
+        {
+            "torso": ("body",),
+            "tail": ("torso", "body"),
+            "neck": ("head",),
+            "earhorn": ("head",),
+        }
     ),
-    ("Bird", "dove"): Naming(merge={"head": "body", "leg": "body"}),
+    "Octopus": Naming({"body": ("head",), "leg": ("arm",)}),
+    "Bird": Naming({"head": ("body",), "leg": ("body",)}),
+    "Chair": Naming({"support": ("seat",), "backsupport": ("back",)}),
+    "Table": Naming({"support": ("top",)}),
 }
-"""How the labels of a recipe and a category's names go together, where they are not the same."""
+"""By category: what its parts count as under a recipe that has no label of their name."""
 
 
 @dataclass(frozen=True)

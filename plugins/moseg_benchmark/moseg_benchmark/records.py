@@ -48,7 +48,7 @@ def asked_of(case: BenchmarkCase) -> dict[str, Any]:
     model = case.model
     return {
         "model": _digest([model.mesh, *model.people, *([model.names] if model.names else [])]),
-        "naming": dataclasses.asdict(case.naming),
+        "naming": {name: list(kinds) for name, kinds in case.naming.belongs_to.items()},
         "statement": None if case.recipe is None else case.recipe.statement.document(),
         "versions": _versions(case),
     }

@@ -73,7 +73,7 @@ def all_cases(request: BenchmarkRequest) -> list[BenchmarkCase]:
         recipe = request.recipes.get(model.category)
         if recipe is None:
             continue
-        naming = NAMINGS.get((model.category, recipe.name), Naming())
+        naming = NAMINGS.get(model.category, Naming())
         others.append(BenchmarkCase(model=model, method=COSTS, recipe=recipe, naming=naming))
         searches += [
             BenchmarkCase(model=model, method=settings, seed=seed, recipe=recipe, naming=naming)

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 from moseg_benchmark import cases
 from moseg_benchmark.cases import BenchmarkCase, CaseResult, cluster, run_case
+from moseg_benchmark.label_matching import Naming
 from moseg_benchmark.psb import find_models
 
-from moseg_core import load, load_recipe
+from moseg_core import load, load_recipe, read_labels
 
 
 def silent(progress):
@@ -59,6 +60,12 @@ def test_names_that_do_not_match_are_not_scored(models, recipe):
     result, _ = run_case(case, report=silent)
     assert result.rand_index_error is not None
     assert result.named_right is None
+    # Where they are said to belong together, they are.
+    naming = Naming({"one": ("up",), "two": ("sideways", "down")})
+    result, labels = run_case(replace(case, naming=naming), report=silent)
+    shape = load(models[0].mesh)
+    true = read_labels(models[0].names, shape.n_elements).labels
+    assert result.named_right == pytest.approx(shape.areas[labels == true].sum() / shape.area)
 
 
 def test_a_part_that_was_left_whole_counts_as_its_first_leaf(models, tmp_path):

@@ -23,9 +23,9 @@ def call(capsys, *words):
     ("words", "message"),
     [
         (("--category", "Fourlegs"), "unknown category 'Fourlegs'; did you mean 'Fourleg'"),
-        (("--recipe-for", "Cup"), "write --recipe-for Fourleg=horse"),
+        (("--recipe-for", "Cup"), "write --recipe-for Fourleg=fourleg"),
         (("--recipe-for", "Cup=hamer"), "did you mean"),
-        (("--recipe-for", "Cup=hammer", "--recipe-for", "cup=horse"), "two recipes for Cup"),
+        (("--recipe-for", "Cup=hammer", "--recipe-for", "cup=paper_horse"), "two recipes for Cup"),
         (("--category", "Ant", "--recipe-for", "Cup=hammer"), "asks for Ant only"),
         (("--settings", "papers"), "unknown settings 'papers'; did you mean 'paper'"),
         (("--seeds", "2-0"), "the seeds '2-0' are not understood; write 0-2"),
@@ -64,7 +64,10 @@ def test_folders_are_checked(psb, tmp_path, capsys):
 
 def test_seeds_and_recipes_are_read():
     assert read_seeds("3,0-1,1") == [3, 0, 1]
-    assert read_recipes(["fourleg = horse"])["Fourleg"].name == "horse"
+    assert read_recipes(["fourleg = paper_horse"])["Fourleg"].name == "paper_horse"
+    assert read_recipes(["none"]) == {}
+    with pytest.raises(UsageError, match="'--recipe-for none' is not understood"):
+        read_recipes(["none", "Cup=cup"])
     with pytest.raises(UsageError, match="write 0-2 or 0,5,7"):
         read_seeds("all")
 

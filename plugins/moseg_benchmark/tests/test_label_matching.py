@@ -41,7 +41,7 @@ def test_fewer_pieces_leave_labels_unused():
 
 
 def test_names_can_be_merged():
-    naming = Naming(merge={"torso": "body", "tail": "body"})
+    naming = Naming({"torso": ("body",), "tail": ("torso", "body")})
     assert labels("head torso torso torso tail tail", ["head", "body"], naming) == [
         0,
         1,
@@ -50,6 +50,15 @@ def test_names_can_be_merged():
         1,
         1,
     ]
+
+
+def test_a_name_belongs_to_the_first_kind_that_the_recipe_has():
+    naming = Naming({"tail": ("torso", "body"), "neck": ("head",)})
+    assert naming.kind("tail", ["body", "head"]) == "body"
+    assert naming.kind("tail", ["body", "torso1", "head"]) == "torso"
+    assert naming.kind("tail", ["body", "torso", "tail2"]) == "tail"
+    with pytest.raises(UsageError, match="no label for 'neck': unknown label 'neck'"):
+        naming.kind("neck", ["body"])
 
 
 def test_a_name_without_a_label_is_refused():

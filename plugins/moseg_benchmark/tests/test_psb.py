@@ -1,9 +1,12 @@
 """Models found in a folder."""
 
 import pytest
-from moseg_benchmark.psb import CATEGORIES, category_of, check_category, find_models
+from moseg_benchmark.command import USUAL_RECIPES, read_recipes
+from moseg_benchmark.label_matching import Naming
+from moseg_benchmark.psb import CATEGORIES, NAMINGS, category_of, check_category, find_models
 
-from moseg_core import UsageError
+from moseg_core import UsageError, load_recipe
+from moseg_core.agreement import fold
 
 
 def test_categories_are_blocks_of_twenty_ids():
@@ -38,3 +41,41 @@ def test_errors_say_what_is_missing(psb, tmp_path):
     with pytest.raises(UsageError, match="unknown category 'Fourlegs'; did you mean 'Fourleg'"):
         check_category("Fourlegs")
     assert check_category(" octopus") == "Octopus"
+
+
+# The names that Kalogerakis et al. give to the parts of a category.
+NAMES = {
+    "Bird": "body head leg tail wing",
+    "Chair": "arm backsupport leg support",
+    "Cup": "body handle",
+    "Fourleg": "earhorn head leg neck tail torso",
+    "Hand": "finger1 finger2 finger3 finger4 hand thumb",
+    "Octopus": "body leg",
+    "Table": "leg support",
+}
+PRINTED = {"Bird": ["dove"], "Fourleg": ["horse", "bulldog"], "Octopus": ["octopus"]}
+
+
+@pytest.mark.parametrize("category", NAMES)
+def test_recipes_have_a_label_for_every_name_and_a_name_for_every_label(category):
+    usual = read_recipes(USUAL_RECIPES)[category].name
+    assert usual == category.lower()
+    for name in [usual, *(f"paper_{name}" for name in PRINTED.get(category, []))]:
+        labels = load_recipe(name).labels
+        naming = NAMINGS.get(category, Naming())
+        found = {naming.kind(part, labels) for part in NAMES[category].split()}
+        assert found == {fold(label) for label in labels}
+
+
+def test_every_usual_recipe_is_for_a_category_with_names():
+    assert set(read_recipes(USUAL_RECIPES)) == set(NAMES)
+    assert set(NAMINGS) <= set(CATEGORIES)
+
+
+def test_what_a_recipe_has_no_label_for_counts_as_what_it_hangs_on():
+    fourleg = NAMINGS["Fourleg"]
+    labels = load_recipe("fourleg").labels
+    assert [fourleg.kind(name, labels) for name in ("tail", "earhorn", "neck")] == [
+        *("body", "head", "neck"),
+    ]
+    assert fourleg.kind("neck", load_recipe("paper_horse").labels) == "head"

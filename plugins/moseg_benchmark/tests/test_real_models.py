@@ -1,4 +1,4 @@
-"""``moseg benchmark psb`` on real models: cups, which have no recipe, with the known numbers.
+"""``moseg benchmark psb`` on real models: cups without a recipe, with the known numbers.
 
 Looks for the models in the folder that ``MOSEG_PSB`` names, and is skipped without it.
 """
@@ -24,7 +24,7 @@ def test_cups(tmp_path):
     done = subprocess.run(
         [
             *(sys.executable, "-m", "moseg_core", "benchmark", "psb", "--data", str(MODELS)),
-            *("--category", "Cup", "--quiet", "-o", str(report)),
+            *("--category", "Cup", "--recipe-for", "none", "--quiet", "-o", str(report)),
         ],
         check=True,
         capture_output=True,

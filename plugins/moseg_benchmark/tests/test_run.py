@@ -165,7 +165,7 @@ def test_damaged_and_outdated_cases_are_measured_again(psb, tmp_path):
     assert picture.read_bytes() != before
 
 
-CUPS = ("psb", "--category", "Cup", "--workers", "2")
+CUPS = ("psb", "--category", "Cup", "--recipe-for", "none", "--workers", "2")
 SHOWN = re.compile(r"^moseg: \[\d/4\] Cup (\d+) ([\w-]+)", re.MULTILINE)
 
 

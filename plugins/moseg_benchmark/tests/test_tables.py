@@ -12,7 +12,7 @@ RESULTS = [
         model=381,
         category="Fourleg",
         method="default",
-        recipe="horse",
+        recipe="paper_horse",
         rand_index_error=0.2,
         named_right=0.5,
         seconds=10.0,
@@ -22,7 +22,7 @@ RESULTS = [
         model=381,
         category="Fourleg",
         method="default",
-        recipe="horse",
+        recipe="paper_horse",
         seed=1,
         rand_index_error=0.4,
         named_right=0.7,
@@ -30,13 +30,18 @@ RESULTS = [
         cost=5.0,
     ),
     CaseResult(
-        model=381, category="Fourleg", method="default", recipe="horse", seed=2, failure="no disk"
+        model=381,
+        category="Fourleg",
+        method="default",
+        recipe="paper_horse",
+        seed=2,
+        failure="no disk",
     ),
     CaseResult(
         model=381,
         category="Fourleg",
         method="costs",
-        recipe="horse",
+        recipe="paper_horse",
         cost=8.0,
         people=(4.5, 7.0),
         incomplete=3,
@@ -60,7 +65,7 @@ def test_costs_of_people_are_beside_the_cost_found():
     table = cost_table(RESULTS)
     assert table.rows == [
         [
-            *("Fourleg", "horse", "381", "8", "4.5 to 7 (2), 3 lack a part", "1"),
+            *("Fourleg", "paper_horse", "381", "8", "4.5 to 7 (2), 3 lack a part", "1"),
             *("5.5 (5 to 6)", "both"),
         ]
     ]
