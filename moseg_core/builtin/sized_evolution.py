@@ -103,6 +103,11 @@ class SizedEvolution:
         self.labelled = labelled
         self.relocations = relocations
 
+    @staticmethod
+    def example(evaluator: Evaluator) -> dict[str, int]:
+        """Fewer of everything, to try it with: a short search in which each step occurs."""
+        return {"population": 4, "generations": 3, "relocations": 2}
+
     def __call__(
         self, evaluator: Evaluator, *, rng: np.random.Generator, report: Report
     ) -> Seeding:

@@ -20,6 +20,8 @@ A class may say more of itself, in attributes that no protocol asks for:
     parameters to try it with. It is called with what the component is about to meet: ``(shape,
     n_parts)`` for a parameterization, ``(evaluator,)`` for seeders, labelers and refiners,
     ``(start,)`` for optimizers, ``(shape, labels)`` for constraints, ``(shape,)`` for embeddings.
+    It may also lower what takes long to try, such as a number of rounds, as long as all that the
+    component does still happens.
 ``presets``
     Parameters that take the place of the signature's defaults on an occasion, by its name, such as
     ``{"polish": {"pattern_size": 0.01}}``. ``"default"``: under the settings of that name, where
@@ -39,7 +41,8 @@ A class may say more of itself, in attributes that no protocol asks for:
     are then clipped in closed form, without asking for ``distances``.
 ``check``
     Of a refiner, once made: a method that is called with the evaluator before the search, and
-    raises one of moseg's errors where shape or problem lack what the refiner needs.
+    raises one of moseg's errors where shape or problem lack what the refiner needs. A text that it
+    returns is a warning of the refined result, such as what the refiner does without.
 ``optimal``
     Of a labeler: ``"unary"`` where no assignment has a lower sum of unary terms, ``"all"`` where
     none has a lower cost.

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Annotated, ClassVar
+
 import pytest
 
 from moseg_core.components.discovery.specs import SeederSpec
+from moseg_core.components.parameters import Interval
 from moseg_core.components.protocols import Seeding
 from moseg_core.testing.check import Skip
 from moseg_core.testing.fixtures.problems import evaluator_on
@@ -64,6 +67,32 @@ def test_with_an_example_or_a_number_everything_is_checked(name):
     found = outcomes(spec(name))
     assert [outcome for outcome in found if outcome.status == "failed"] == []
     assert "seeder-count" in {o.check for o in found if o.status == "passed"}
+
+
+class Patient(From):
+    """Centres at the first elements, after a number of rounds that change nothing."""
+
+    rounds: ClassVar[list[int]] = []
+
+    def __init__(self, *, rounds: Annotated[int, Interval(0)] = 500):
+        super().__init__(first=1)
+        self.rounds.append(rounds)
+
+    @staticmethod
+    def example(evaluator):
+        return {"rounds": 3}
+
+
+def test_an_example_lowers_what_takes_long_except_where_defaults_are_looked_at():
+    one = subject(spec("Patient"))
+    tried = one.load().rounds  # the tests' own module is not the one that the spec names
+    tried.clear()
+    found = outcomes(spec("Patient"))
+    assert [outcome for outcome in found if outcome.status == "failed"] == []
+    assert set(tried) == {0, 3, 500}
+    assert tried.count(500) == 12  # two runs on six problems
+    assert values_for(one, None) == {"rounds": 3}
+    assert values_for(one, None, in_full=True) == {}
 
 
 def test_the_example_sees_what_the_component_will_meet():

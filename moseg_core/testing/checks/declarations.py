@@ -21,7 +21,14 @@ from moseg_core.testing.check import ContractFailure, Skip, Subject, check
 from moseg_core.testing.checks.repeats import baseline
 from moseg_core.testing.fixtures.comparison import expect_no_error, expect_same
 from moseg_core.testing.fixtures.drivers import drive
-from moseg_core.testing.fixtures.trial import DRIVEN, declared, in_its_type, required, tame
+from moseg_core.testing.fixtures.trial import (
+    DRIVEN,
+    declared,
+    has_example,
+    in_its_type,
+    required,
+    tame,
+)
 
 
 @check("parameters-round-trip", kinds=DRIVEN)
@@ -49,9 +56,11 @@ def _parameters_round_trip(subject: Subject) -> None:
                 fix=f"write the default as a {parameter.type.__name__}",
             )
     defaults = {parameter.name: parameter.default for parameter in optional}
+    # An example may stand in for defaults; here it is the defaults that are looked at.
+    plain = drive(subject, in_full=True) if has_example(subject) else baseline(subject)
     expect_same(
-        baseline(subject),
-        drive(subject, parameters=defaults),
+        plain,
+        drive(subject, parameters=defaults, in_full=True),
         did=f"it was run without parameters, and with its defaults {defaults} given",
         fix="use the same default in the signature as within",
     )
