@@ -9,8 +9,9 @@ counting for its length times
 
 ``c`` being the concavity along the link, of a field that a bundle brings: a cut along a crease is
 cheap, one along a ridge dear (Katz and Tal 2003, doi:10.1145/882262.882369, who search a band by a
-minimum cut as well). Elements outside of the band keep their labels. On a smooth surface any cut
-that is a little shorter would do, however far away, so that an element pays for another label:
+minimum cut as well). Without such a field a link counts for its length. Elements outside of the
+band keep their labels. On a smooth surface any cut that is a little shorter would do, however far
+away, so that an element pays for another label:
 
     keep A d / band,
 
@@ -48,6 +49,8 @@ from moseg_core.types import FloatArray, Int32Array, IntArray
 
 #: Least and greatest weight of a link for its length.
 _WEIGHTS = (0.15, 1.5)
+#: The field that is gone by where the user names none.
+_CONCAVITY = "basic:concavity"
 #: Most times to go through all pairs of parts; it ends before when nothing changes any more.
 _SWEEPS = 10
 
@@ -64,7 +67,9 @@ class GraphCut:
     crease : float
         How much cheaper a link is for its concavity.
     field : str or None
-        The field that says how concave the surface is; none for lengths alone.
+        The field that says how concave the surface is; none for lengths alone. ``auto`` is
+        ``basic:concavity`` where that bundle is installed and the shape has what the field needs;
+        elsewhere lengths alone, and a warning says so.
     """
 
     def __init__(
@@ -73,15 +78,20 @@ class GraphCut:
         band: Annotated[float, Interval(0, 1)] = 0.05,
         keep: Annotated[float, Interval(0)] = 2.0,
         crease: Annotated[float, Interval(0)] = 2.0,
-        field: str | None = "basic:concavity",
+        field: str | None = "auto",
     ) -> None:
         self.band = band
         self.keep = keep
         self.crease = crease
         self.field = field
 
-    def check(self, evaluator: Evaluator) -> None:
-        """Refuse a shape of which nobody knows what touches, or that lacks the field.
+    def check(self, evaluator: Evaluator) -> str:
+        """Refuse a shape of which nobody knows what touches, or that lacks a field asked for.
+
+        Returns
+        -------
+        str
+            Why lengths alone are gone by, where a field would be if it could; else empty.
 
         Raises
         ------
@@ -90,14 +100,14 @@ class GraphCut:
         UsageError
             No installed bundle has the field.
         """
-        self._weights(evaluator)
+        return self._weights(evaluator)[1]
 
     def __call__(self, evaluator: Evaluator, labels: Int32Array, *, report: Report) -> Int32Array:
         """(F,) int32: the labels, boundaries moved within the band."""
         shape, n = _own(evaluator.shape), evaluator.parameterization.n_parts
         if shape.adjacency is None:
             return labels.copy()
-        weights = self._weights(evaluator)
+        weights, _ = self._weights(evaluator)
         band = Band.of(shape, labels, n, width=self.band, pins=evaluator.pins)
         energy = Energy(
             costs=self._costs(shape, band),
@@ -128,23 +138,27 @@ class GraphCut:
         costs = areas[:, None] * np.where(allowed, band.distances, 0.0)
         return np.where(allowed, costs, np.inf)
 
-    def _weights(self, evaluator: Evaluator) -> FloatArray:
-        """(E,) float: what it costs to cut each link of the shape, in diagonals."""
+    def _weights(self, evaluator: Evaluator) -> tuple[FloatArray, str]:
+        """(E,) float, what it costs to cut each link of the shape, in diagonals; what to say."""
         shape = _own(evaluator.shape)
         links = shape.links
         lengths = links.lengths / shape.frame.scale ** (2 if shape.solid else 1)
         if self.field is None:
-            return lengths
+            return lengths, ""
+        name = _CONCAVITY if self.field == "auto" else self.field
         try:
-            values = field_values(shape, self.field, lookup=Lookup(evaluator.problem.registry))
+            values = field_values(shape, name, lookup=Lookup(evaluator.problem.registry))
         except (ShapeError, UsageError) as error:
+            if self.field == "auto":
+                said = f"refiner 'graph_cut' goes by lengths alone, not along creases: {error}"
+                return lengths, said
             raise type(error)(
                 f"refiner 'graph_cut' goes by the field '{self.field}': {error}; install the bundle"
                 " that it is of, or go by lengths alone with graph_cut(field=none)"
             ) from error
         concavity = (values[links.first] + values[links.second]) / 2
         weights: FloatArray = lengths * np.clip(1 - self.crease * concavity, *_WEIGHTS)
-        return weights
+        return weights, ""
 
 
 def _swapped(

@@ -42,7 +42,7 @@ class Refinement:
         The cost before and after, each with the number of elements that have changed their part
         by then; empty where nothing was refined.
     warning : str
-        Why nothing was refined, where something was to be.
+        Why nothing was refined, where something was to be; or what the refiner went without.
     failure : MosegError or None
         What the refiner, or the evaluation of its labels, ended with.
     """
@@ -78,8 +78,13 @@ class ReadyRefiner:
         """
         return cls(ready=ready, refiner=ready.make())
 
-    def check(self, evaluator: ProblemEvaluator) -> None:
+    def check(self, evaluator: ProblemEvaluator) -> str:
         """Ask the refiner, if it can say so, whether it can work on this.
+
+        Returns
+        -------
+        str
+            What the user should know of it; empty where all is well.
 
         Raises
         ------
@@ -87,9 +92,11 @@ class ReadyRefiner:
             It cannot, and says why.
         """
         probe = getattr(self.refiner, "check", None)
-        if probe is not None:
-            with self.ready.guard():
-                probe(evaluator)
+        if probe is None:
+            return ""
+        with self.ready.guard():
+            said = probe(evaluator)
+        return said if isinstance(said, str) else ""
 
     def refine(
         self,
@@ -98,6 +105,7 @@ class ReadyRefiner:
         *,
         report: Report,
         interrupted: bool = False,
+        warning: str = "",
     ) -> Refinement:
         """Move the boundaries of a labelling, or say why they stay where they are.
 
@@ -110,6 +118,8 @@ class ReadyRefiner:
         report : callable
         interrupted : bool
             Whether the user has asked to stop, so that this is left out.
+        warning : str
+            What :meth:`check` has said.
         """
         if interrupted:
             return replace(
@@ -119,11 +129,11 @@ class ReadyRefiner:
             labels = self._labels(evaluator, found.labels, report)
             evaluation = evaluator.evaluate_labels(labels)
         except MosegError as error:
-            warning = f"the boundaries are not refined: {error}"
-            return replace(found, warning=warning, failure=error)
+            reason = f"the boundaries are not refined: {error}"
+            return replace(found, warning=reason, failure=error)
         moved = int((labels != found.labels).sum())
         history = _record(found.evaluation, 0), _record(evaluation, moved)
-        return Refinement(labels=labels, evaluation=evaluation, history=history)
+        return Refinement(labels=labels, evaluation=evaluation, history=history, warning=warning)
 
     def _labels(
         self, evaluator: ProblemEvaluator, labels: Int32Array, report: Report

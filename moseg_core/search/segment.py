@@ -205,8 +205,7 @@ def solve(
     whole = ProblemEvaluator(embedded, problem, partition, pins=pinned)
     if start_centers is not None:
         _check_counts(start_centers, partition.centers_per_part, problem.labels)
-    if refiner is not None:
-        refiner.check(whole)
+    lacking = "" if refiner is None else refiner.check(whole)
     listener = Listener(report or never_stop)
 
     grouped = searched_shape(embedded, settled.resolution, pinned)
@@ -234,7 +233,11 @@ def solve(
     found = _labelled(whole, best)
     if refiner is not None and best.failure is None:
         found = refiner.refine(
-            whole, found, report=until(deadline, listener), interrupted=listener.stopped
+            whole,
+            found,
+            report=until(deadline, listener),
+            interrupted=listener.stopped,
+            warning=lacking,
         )
     result = _result(
         shape, plan, settled, ready, outcomes, best, found, interrupted=listener.stopped

@@ -291,6 +291,23 @@ def test_what_is_missing_is_told_with_what_to_do():
     assert "graph_cut(field=none)" in said
 
 
+def test_by_default_it_goes_along_creases_where_that_field_is_to_be_had():
+    shape = dumbbell()
+    start = (shape.points[:, 0] > 0.22 + 0.08 * shape.points[:, 1]).astype(np.int32)
+    creased = refined(shape, start, field="basic:concavity")
+    assert (refined(shape, start, field="auto") == creased).all()
+    assert GraphCut().check(evaluator_on(shape)) == ""
+    bare = Registry([bundle for bundle in registry().bundles if bundle.name == "core"])
+    alone = refined(shape, start)
+    assert (alone != creased).any()
+    assert (refined(shape, start, field="auto", source=bare) == alone).all()
+    said = GraphCut().check(evaluator_on(shape, source=bare))
+    assert said.startswith("refiner 'graph_cut' goes by lengths alone, not along creases: unknown")
+    block = Shape.from_voxels(np.ones((4, 2, 2), bool))
+    assert "lengths alone" in GraphCut().check(evaluator_on(block))
+    assert GraphCut(field=None).check(evaluator_on(block, source=bare)) == ""
+
+
 def test_a_band_of_no_width_moves_nothing():
     shape = dumbbell()
     start = (shape.points[:, 0] > 0.2).astype(np.int32)

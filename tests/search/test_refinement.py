@@ -170,7 +170,7 @@ def test_what_it_checks_is_checked():
     ready = ReadyRefiner.of(stranger("refiner", Checks))
     with pytest.raises(ShapeError, match="it needs a volume"):
         ready.check(on_strip())
-    ReadyRefiner.of(refiner(LABELS)).check(on_strip())  # one that checks nothing
+    assert ReadyRefiner.of(refiner(LABELS)).check(on_strip()) == ""  # one that checks nothing
 
 
 # --- in a search ---------------------------------------------------------------------------------
@@ -194,6 +194,7 @@ class Rim:
 
     def check(self, evaluator):
         seen.append("check")
+        return "it goes by ear"
 
     def __call__(self, evaluator, labels, *, report):
         seen.append(("told to stop", report(Progress(stage="rim", done=0))))
@@ -311,6 +312,13 @@ def test_what_is_wrong_with_it_is_told_before_the_search(with_rim):
     ):
         with pytest.raises(MosegError, match=message):
             run(with_rim, refiner=wrong, report=search)
+
+
+def test_what_it_does_without_is_a_warning_of_the_refined_result(with_rim):
+    assert "it goes by ear" in run(with_rim, refiner="rim").warnings
+    assert "it goes by ear" not in run(with_rim).warnings
+    left = run(with_rim, refiner="rim", report=lambda progress: True)
+    assert "it goes by ear" not in left.warnings
 
 
 def test_only_the_request_has_a_refiner_under_the_papers_settings(with_rim):
