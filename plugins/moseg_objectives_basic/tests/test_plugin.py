@@ -62,7 +62,8 @@ PARAMETERS = {
     "is": dict.fromkeys((*SIZES, *PLACES)),
 }
 #: Objectives that do not declare an invariance, and which: heights have a direction, the first part
-#: is not like the others, and what hangs on distances and bends between elements on these.
+#: is not like the others, distances and bends between elements hang on these, and squares of a
+#: field on how finely it is sampled.
 VARIANT = {
     "above": {"rigid", "reflection", "labels"},
     "touching": {"tessellation", "labels"},
@@ -72,6 +73,7 @@ VARIANT = {
     "creased_boundaries": {"tessellation"},
     "separate": {"tessellation"},
     "separate_parts": {"tessellation"},
+    "even_parts": {"tessellation"},
     "is": {"tessellation"},
 }
 
