@@ -95,15 +95,14 @@ def sample_cases() -> list[Case]:
 
 
 def benchmark_cases(folder: Path) -> list[Case]:
-    """Ten models of the benchmark that the printed recipes are about."""
-    legs = {"leg": ["leg1", "leg2", "leg3", "leg4"]}
-    animal = {"torso": "body", "neck": "body", "tail": "body", "earhorn": "head", **legs}
-    octopus = {"body": "head", "leg": [f"arm{k}" for k in range(1, 9)]}
-    bird = {"head": "body", "leg": "body", "wing": ["wing1", "wing2"]}
+    """Ten models of the benchmark, under the recipes in words that people use."""
+    animal = {"torso": "body", "earhorn": "head", "tail": "body", "leg": numbered("leg", 4)}
     models: list[tuple[str, Mapping[str, Target], Iterable[int]]] = [
-        ("paper_horse", animal, (381, 385, 393, 397)),
-        ("paper_octopus", octopus, (121, 129, 133)),
-        ("paper_dove", bird, (241, 245, 257)),
+        ("fourleg", animal, (381, 385)),
+        ("octopus", {"leg": numbered("leg", 8)}, (121, 129)),
+        ("bird", {"leg": "body", "wing": numbered("wing", 2)}, (241, 245)),
+        ("hand", {}, (181, 189)),
+        ("table", {"support": "top", "leg": numbered("leg", 4)}, (141, 153)),
     ]
     return [
         Case(
@@ -116,6 +115,11 @@ def benchmark_cases(folder: Path) -> list[Case]:
         for recipe, mapping, numbers in models
         for number in numbers
     ]
+
+
+def numbered(stem: str, count: int) -> list[str]:
+    """Labels with a number: leg1, leg2, ..."""
+    return [f"{stem}{k + 1}" for k in range(count)]
 
 
 def cases_of(path: Path) -> list[Case]:
