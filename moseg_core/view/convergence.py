@@ -10,6 +10,7 @@ A result keeps a record of every round of its stages (``Result.history``, and "h
   which it polled. A search on super-elements is followed by one on the input elements, the polish,
   as a curve of its own: the same segmentation costs a little more or less on the other level.
 - *starts*: what each start came to, where there were several. Those in grey were given up early.
+- *number of parts*: what each number that was tried came to, where it was to be found.
 
 The first two are the two halves of the paper's figure.
 
@@ -49,7 +50,7 @@ def render_convergence(
     ----------
     history : mapping of str to sequence of mapping
         ``Result.history``, or the same as read from ``.json``, where None stands for infinity. The
-        stages "seeding", "search", "polish" and "restarts" are drawn.
+        stages "seeding", "search", "polish", "restarts" and "number of parts" are drawn.
     format : {"svg", "png"}
         A PNG has two pixels for each unit of the SVG.
     title : str
@@ -96,7 +97,7 @@ def convergence_scene(history: History, *, title: str) -> Scene:
     -------
     Scene
     """
-    drawn = (_seeding(history), _search(history), _restarts(history))
+    drawn = (_seeding(history), _search(history), _restarts(history), _numbers_tried(history))
     panels = [panel for panel in drawn if panel is not None]
     return draw_chart(panels, title=title) if panels else draw_message(_NOTHING, title=title)
 
@@ -177,6 +178,20 @@ def _restarts(history: History) -> Panel | None:
     )
     notes = ["grey: given up early"] if given_up else []
     return _panel("Starts", "start", "cost", [ends], notes=notes)
+
+
+def _numbers_tried(history: History) -> Panel | None:
+    """What each number of parts came to, where several were tried."""
+    records = _records(history, "number of parts")
+    tried = Curve(
+        name="cost of a number of parts",
+        xs=_numbers(records, "parts"),
+        ys=_numbers(records, "cost"),
+        color=_BLACK,
+        hollow=_with_empty_parts(records),
+        line=False,
+    )
+    return _panel("Number of parts", "parts", "cost", [tried])
 
 
 def _panel(

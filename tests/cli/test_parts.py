@@ -55,6 +55,7 @@ def test_the_number_is_found_and_what_others_cost_is_told(moseg, mallet, tmp_pat
     assert kept["history"][TRIED] == told["numbers"]
     # A chart of it can be drawn, and it is a result like any other.
     assert moseg("plot", out, "-o", tmp_path / "m.svg").code == 0
+    assert ">Number of parts<" in (tmp_path / "m.svg").read_text()
     assert moseg("explain", out).code == 0
 
 

@@ -109,6 +109,13 @@ def test_cost_and_pattern_size_of_each_iteration_through_the_polish():
     assert "pattern size (diagonals)" in texts(root)
 
 
+NUMBERS = [
+    {"parts": 2, "cost": 3.0, "empty": 0},
+    {"parts": 3, "cost": 1.0, "empty": 0},
+    {"parts": 4, "cost": 2.0, "empty": 1},
+]
+
+
 def test_starts_are_dots():
     root = drawn({"search": SEARCH, "restarts": STARTS})
     found = dots(root)
@@ -120,6 +127,16 @@ def test_starts_are_dots():
     assert found[2].get("fill") == "#ffffff"
     assert "grey: given up early; hollow: with an empty part" in texts(root)
     assert not dots(drawn({"search": SEARCH, "restarts": STARTS[:1]}))
+
+
+def test_numbers_of_parts_are_dots():
+    root = drawn({"search": SEARCH, "number of parts": NUMBERS})
+    found = dots(root)
+    centers = [(float(dot.get("cx")), float(dot.get("cy"))) for dot in found]
+    expected = [at(0, 1, panel=1), at(0.5, 0, panel=1), at(1, 0.5, panel=1)]
+    np.testing.assert_allclose(centers, expected, atol=0.01)
+    assert [dot.get("fill") for dot in found] == ["#222222", "#222222", "#ffffff"]
+    assert {"Number of parts", "parts", "hollow: with an empty part"} <= set(texts(root))
 
 
 def test_panels_only_for_what_there_is():

@@ -128,7 +128,8 @@ def read_recipes(words: Sequence[str]) -> dict[str, Recipe]:
     Raises
     ------
     UsageError
-        A word of another form, an unknown category or recipe, or two recipes for one category.
+        A word of another form, an unknown category or recipe, two recipes for one category, or one
+        that leaves the number of parts open.
 
     Examples
     --------
@@ -149,6 +150,11 @@ def read_recipes(words: Sequence[str]) -> dict[str, Recipe]:
         if category in recipes:
             raise UsageError(f"--recipe-for gives two recipes for {category}")
         recipes[category] = load_recipe(recipe)
+        if recipes[category].statement.is_open:
+            raise UsageError(
+                f"recipe '{recipe}' leaves the number of parts open"
+                f" ({', '.join(recipes[category].labels)}); give a recipe that lists its labels"
+            )
     return recipes
 
 

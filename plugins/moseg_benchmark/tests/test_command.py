@@ -25,6 +25,7 @@ def call(capsys, *words):
         (("--category", "Fourlegs"), "unknown category 'Fourlegs'; did you mean 'Fourleg'"),
         (("--recipe-for", "Cup"), "write --recipe-for Fourleg=fourleg"),
         (("--recipe-for", "Cup=hamer"), "did you mean"),
+        (("--recipe-for", "Cup=any_shape"), "leaves the number of parts open (part*)"),
         (("--recipe-for", "Cup=hammer", "--recipe-for", "cup=paper_horse"), "two recipes for Cup"),
         (("--category", "Ant", "--recipe-for", "Cup=hammer"), "asks for Ant only"),
         (("--settings", "papers"), "unknown settings 'papers'; did you mean 'paper'"),

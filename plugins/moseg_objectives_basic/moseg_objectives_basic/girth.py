@@ -125,7 +125,7 @@ def even_thickness(part: Part) -> float:
 @objective(
     range=(0, math.inf),
     requires=("surface",),
-    # Squares of deviations: other triangles than the lump's of the contract checks change them by 9 %.
+    # Squares of deviations: other triangles change them by 9 % on the lump of the contract checks.
     invariant_to=("rigid", "scale", "reflection", "order", "labels"),
     fields=("basic:log_thickness",),
 )
