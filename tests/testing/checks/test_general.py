@@ -10,7 +10,12 @@ from typing import get_args
 import pytest
 
 from moseg_core.components import protocols
-from moseg_core.components.discovery.specs import ConstraintSpec, Kind, ParameterizationSpec
+from moseg_core.components.discovery.specs import (
+    ConstraintSpec,
+    Kind,
+    ParameterizationSpec,
+    RecipeSpec,
+)
 from moseg_core.errors import UsageError
 from moseg_core.testing import CHECKS, load_checks
 from moseg_core.testing.checks import general
@@ -24,6 +29,11 @@ class OnNoLabels:
 
     def __init__(self, shape, labels):
         raise UsageError("it takes 99 labels")
+
+
+#: Recipes of any number of parts; words about several need two of them.
+OPEN_RECIPE = 'labels = ["body", "leg*"]\nminimize = "compact(body) + basic:similar(leg*)"\n'
+WRONG_OPEN_RECIPE = OPEN_RECIPE.replace("similar", "similr")
 
 
 @pytest.mark.parametrize("id", BROKEN)
@@ -42,6 +52,13 @@ def test_what_makes_a_parameterization_clippable_is_held_to_its_protocol():
     spec = ParameterizationSpec(name="broken", target=target)
     assert_fails_only("protocol-answered", spec)
     assert "DistancesOfNoPoints.distances" in failures(spec)["protocol-answered"]
+
+
+def test_an_open_recipe_is_tried_with_a_few_parts():
+    assert failures(RecipeSpec(name="open", target=f"{__name__}:OPEN_RECIPE")) == {}
+    failed = failures(RecipeSpec(name="open", target=f"{__name__}:WRONG_OPEN_RECIPE"))
+    assert set(failed) == {"signature-fits"}
+    assert "did you mean 'basic:similar'" in failed["signature-fits"]
 
 
 def test_every_kind_that_is_made_has_the_protocol_of_its_name():
