@@ -140,8 +140,8 @@ def even_parts(segmentation: Segmentation) -> float:
     -------
     float
         ``a_i`` is the share of the area of part ``i``, ``v_i`` the variance of the logarithm of the
-        thickness over it: 0 where each part is as thick everywhere, however thick others are, and
-        what all varies where there is one part; 0 is best.
+        thickness over it. 0 where each part is as thick everywhere, however thick others are; of
+        one part that is the whole shape, the variance over the shape. 0 is best.
 
     Notes
     -----
@@ -150,13 +150,14 @@ def even_parts(segmentation: Segmentation) -> float:
 
     Examples
     --------
+    The arms of an octopus are thin, its head is thick:
+
     >>> import moseg_core as moseg
-    >>> hammer = moseg.load(moseg.sample_path("hammer"))
-    >>> truth = moseg.read_labels(moseg.sample_labels_path("hammer"), hammer.n_elements)
-    >>> problem = moseg.Problem(truth.names, "even_parts")
-    >>> halves = (hammer.points[:, 0] > hammer.frame.center[0]).astype(int)
-    >>> values = [problem.evaluate(hammer, each).cost.value for each in (truth.labels, halves)]
-    >>> bool(values[0] < values[1])
+    >>> octopus = moseg.load(moseg.sample_path("octopus"))
+    >>> truth = moseg.read_labels(moseg.sample_labels_path("octopus"), octopus.n_elements)
+    >>> parts = moseg.Problem(truth.names, "even_parts").evaluate(octopus, truth.labels)
+    >>> whole = moseg.Problem(["all"], "even_parts").evaluate(octopus, 0 * truth.labels)
+    >>> bool(parts.cost.value < whole.cost.value / 5)
     True
     """
     summaries = segmentation.fields("basic:log_thickness")
