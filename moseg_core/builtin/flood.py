@@ -38,10 +38,15 @@ def _distances(points: FloatArray, centers: FloatArray, weights: FloatArray) -> 
     """(n, F) weighted distances ||p - c|| / w, one row per centre."""
     n, size = centers.shape[0], points.shape[0]
     distance = np.empty((n, size))
+    # Coordinates one after the other, and no division that could fail: then the compiler takes
+    # several elements at a time.
+    x, y, z = points[:, 0].copy(), points[:, 1].copy(), points[:, 2].copy()
     for i in range(n):
         cx, cy, cz, w = centers[i, 0], centers[i, 1], centers[i, 2], weights[i]
+        if w == 0:
+            raise ZeroDivisionError("a weight is 0")
         for f in range(size):
-            dx, dy, dz = points[f, 0] - cx, points[f, 1] - cy, points[f, 2] - cz
+            dx, dy, dz = x[f] - cx, y[f] - cy, z[f] - cz
             distance[i, f] = np.sqrt(dx * dx + dy * dy + dz * dz) / w
     return distance
 
@@ -59,16 +64,14 @@ def _nearest(distance: FloatArray, f: int) -> int:
 def _strictly_nearest(distance: FloatArray) -> Int32Array:
     """(F,) the nearest centre of each element; -1 where two are equally near."""
     n, size = distance.shape
-    nearest = np.zeros(size, np.int32)
-    for f in range(size):
-        best = distance[0, f]
-        for i in range(1, n):
-            d = distance[i, f]
-            if d < best:
-                best = d
-                nearest[f] = i
-            elif d == best:
-                nearest[f] = -1
+    nearest, least = np.zeros(size, np.int32), distance[0].copy()
+    for i in range(1, n):
+        row = distance[i]
+        for f in range(size):  # without branches, so that several elements are taken at a time
+            d, best = row[f], least[f]
+            known = np.int32(-1) if d == best else nearest[f]
+            nearest[f] = np.int32(i) if d < best else known
+            least[f] = d if d < best else best
     return nearest
 
 
