@@ -102,12 +102,10 @@ class Part:
         if not self.moments[0] > 0:
             raise MosegError("an empty part, or one without area, has no centroid and no axes")
 
-    @cached_property
+    @property
     def centroid(self) -> FloatArray:
         """(3,) float, model units: the paper's ``P.c``, the area-weighted mean of the surface."""
-        self._require_area()
-        centroid: FloatArray = self.moments[1:4] / self.moments[0] + self.shape.frame.center
-        return frozen(centroid)
+        return self._own(self._tables.centroids)
 
     def _own(self, rows: list[FloatArray | None]) -> FloatArray:
         self._require_area()

@@ -43,7 +43,7 @@ class PartTables:
         self._areas = moments[:, 0]
         self._lookup = lookup
         self._fields: dict[Hashable, list[FieldSummary]] = {}
-        self._along: dict[Hashable, tuple[FloatArray, FloatArray]] = {}
+        self._along: dict[Hashable, tuple[list[float], FloatArray]] = {}
 
     def field(self, name: str, parameters: dict[str, Any]) -> list[FieldSummary]:
         """A field's summary over every part."""
@@ -71,6 +71,13 @@ class PartTables:
         # What the subtraction leaves of a flat part's thickness is rounding, not thickness.
         values[values < 1e-14 * (second[:, 0] + second[:, 3] + second[:, 5])[:, None]] = 0.0
         return some, values, vectors
+
+    @cached_property
+    def centroids(self) -> list[FloatArray | None]:
+        """Of every part the centroid, (3,) in model units; None of one without area."""
+        some = np.flatnonzero(self._areas > 0)
+        means = self._moments[some, 1:4] / self._areas[some, None]
+        return self._by_part(some, means + self._level.input.frame.center)
 
     @cached_property
     def scales(self) -> list[FloatArray | None]:
@@ -101,8 +108,8 @@ class PartTables:
     def boundary(self, part: int) -> Boundary:
         """The boundary of a part with all others."""
         return Boundary(
-            length=float(self._lengths[0][part]),
-            _along=lambda name, **parameters: float(self._integrals(name, parameters)[0][part]),
+            length=self._lengths[0][part],
+            _along=lambda name, **parameters: self._integrals(name, parameters)[0][part],
         )
 
     def between(self, first: int, second: int) -> Boundary:
@@ -123,24 +130,24 @@ class PartTables:
         )
 
     @cached_property
-    def _lengths(self) -> tuple[FloatArray, FloatArray]:
+    def _lengths(self) -> tuple[list[float], FloatArray]:
         return self._summed(self._level.links.lengths)
 
-    def _integrals(self, name: str, parameters: dict[str, Any]) -> tuple[FloatArray, FloatArray]:
-        """Of a field along boundaries: (n,) of each part, (n, n) of each two."""
+    def _integrals(self, name: str, parameters: dict[str, Any]) -> tuple[list[float], FloatArray]:
+        """Of a field along boundaries: n of each part, (n, n) of each two."""
         asked = (name, *parameters.items())
         if asked not in self._along:
             found = self._lookup.field(name)
             self._along[asked] = self._summed(link_values(self._level, found, parameters))
         return self._along[asked]
 
-    def _summed(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def _summed(self, values: FloatArray) -> tuple[list[float], FloatArray]:
         from moseg_core.shape.boundary_sums import sum_boundaries
 
         n, links = len(self._areas), self._level.links
         whole, between = np.empty(n), np.empty((n, n))
         sum_boundaries(self._labels, links.first, links.second, values, whole, between)
-        return frozen(whole), frozen(between)
+        return whole.tolist(), frozen(between)
 
 
 def pair_of_one_labelling(first: PartTables, second: PartTables) -> PartTables:

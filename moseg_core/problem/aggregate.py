@@ -13,8 +13,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from moseg_core.components.cost import Cost
 from moseg_core.components.discovery.registry import describe
 from moseg_core.components.segmentation import Segmentation
@@ -155,8 +153,8 @@ def empty_parts(terms: Sequence[BoundTerm], segmentation: Segmentation) -> list[
     """Which parts are empty, or have no extent in one of the spaces that terms look at them in."""
     spaces = dict.fromkeys([segmentation.level.space, *(term.space for term in terms)])
     views = [segmentation.view(space) for space in spaces]
-    empty: list[bool] = np.any([v.summary.empty(v.shape) for v in views], axis=0).tolist()
-    return empty
+    found = [v.summary.empty(v.shape).tolist() for v in views]
+    return found[0] if len(found) == 1 else [any(of_one) for of_one in zip(*found, strict=True)]
 
 
 def leaves_out(term: BoundTerm, call: tuple[int, ...], empty: Sequence[bool]) -> bool:

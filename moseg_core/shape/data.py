@@ -298,7 +298,7 @@ class ShapeData:
             digest.update(np.ascontiguousarray(self.input.areas).tobytes())
         return digest.hexdigest()[:16]
 
-    @property
+    @cached_property
     def key(self) -> tuple[object, ...]:
         """What tells this shape from all others in the key of a remembered value."""
         volume = (self.enclosed.value, self.enclosed.source)
