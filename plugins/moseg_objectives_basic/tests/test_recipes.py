@@ -105,7 +105,7 @@ IN_WORDS = {
     "bird": ("body head tail wing1 wing2", {"touching", *OF_ANY_SHAPE}),
     "octopus": ("body leg1 leg2 leg3 leg4 leg5 leg6 leg7 leg8", {"touching", *OF_ANY_SHAPE}),
     "hand": ("hand thumb finger1 finger2 finger3 finger4", {"touching", *OF_ANY_SHAPE}),
-    "chair": ("seat back leg1 leg2 leg3 leg4 arm1 arm2", {"touching", *OF_ANY_SHAPE}),
+    "chair": ("seat back leg1 leg2 leg3 leg4 arm1 arm2", {"is", "touching", "separate"}),
     "table": ("top leg1 leg2 leg3 leg4", {"touching", *OF_ANY_SHAPE}),
     "cup": ("body handle", OF_ANY_SHAPE),
 }
