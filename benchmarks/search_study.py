@@ -82,15 +82,26 @@ class Case:
 
 
 def sample_cases() -> list[Case]:
-    """The samples, whose truth has the names of the printed recipes."""
+    """The samples, under recipes in words that people use, with the names of the samples' truth."""
+    folder = Path(__file__).parent / "search_cases"
+    animal, dove = str(folder / "animal.toml"), str(folder / "dove.toml")
+    arms = {f"arm{k + 1}": label for k, label in enumerate(numbered("leg", 8))}
+    recipes: dict[str, tuple[str, Mapping[str, Target]]] = {
+        "hammer": ("hammer", {}),
+        "horse": (animal, {}),
+        "bulldog": (animal, {}),
+        "dove": (dove, {}),
+        "octopus": ("octopus", {"head": "body", **arms}),
+    }
     return [
         Case(
             name=name,
             mesh=moseg.sample_path(name),
             truth=moseg.sample_labels_path(name),
-            recipe=f"paper_{name}",
+            recipe=recipe,
+            mapping=mapping,
         )
-        for name in ("hammer", "horse", "bulldog", "dove", "octopus")
+        for name, (recipe, mapping) in recipes.items()
     ]
 
 
