@@ -64,7 +64,7 @@ class Relocation:
     genome : Genome
     points : (s, 3) float
         Where a centre may go, model units.
-    told : callable
+    count : callable
         Called after each batch with the number of candidates in it.
     stopped : callable
         Whether to end with what is found.
@@ -72,7 +72,7 @@ class Relocation:
 
     genome: Genome
     points: FloatArray
-    told: Callable[[int], None]
+    count: Callable[[int], None]
     stopped: Callable[[], bool]
 
     def improved(
@@ -103,7 +103,7 @@ class Relocation:
                 break
             rows, moved = self.relocated(best, rng)
             cost = self.genome.evaluator.costs(Batch(vectors=self.vector(rows)[None]))[0]
-            self.told(1)
+            self.count(1)
             tried = self.settle(
                 Found(cost=cost, rows=rows),
                 moved,
@@ -163,7 +163,7 @@ class Relocation:
             vectors = [self.vector(_with(found.rows, chosen, x)) for x in batch.vectors]
             whole = replace(batch, vectors=np.stack(vectors))
             search.tell(self.genome.evaluator.costs(whole))
-            self.told(len(vectors))
+            self.count(len(vectors))
         best, cost = search.best
         return Found(cost=cost, rows=_with(found.rows, chosen, best))
 

@@ -139,7 +139,7 @@ class _Search:
         self.relocation = Relocation(
             genome=self.genome,
             points=self.points,
-            told=self._told,
+            count=self._count,
             stopped=lambda: self.stopped,
         )
         self.history: list[dict[str, float]] = []
@@ -187,7 +187,7 @@ class _Search:
             left -= len(drawn)
             members = self._survivors([*members, *self._assigned(drawn)])
             self.best = members[0].cost
-            self._told(0)
+            self._count(0)
         self._record(members)
         return members
 
@@ -208,7 +208,7 @@ class _Search:
             members += self._assigned(children)
         members = self._survivors(members)
         self.best = members[0].cost
-        self._told(0)
+        self._count(0)
         self._record(members)
         return members
 
@@ -280,7 +280,7 @@ class _Search:
         rows = np.column_stack([self.points[places], self.sizes.weights(classes)])
         return Found(cost=member.cost, rows=rows)
 
-    def _told(self, candidates: int) -> None:
+    def _count(self, candidates: int) -> None:
         """Report so many candidates more, and remember whether somebody asks to stop."""
         self.done += candidates
         if not self.stopped:

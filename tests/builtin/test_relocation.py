@@ -23,21 +23,21 @@ TEXT = "2*narrow(stem) + compact(bar) - 0.5*flat(rest) + similar_proportions(ste
 
 
 def relocation_on(evaluator, *, stop_after=np.inf):
-    told = []
+    counted = []
     relocation = Relocation(
         genome=Genome.of(evaluator),
         points=evaluator.shape.points[::3],
-        told=told.append,
-        stopped=lambda: len(told) >= stop_after,
+        count=counted.append,
+        stopped=lambda: len(counted) >= stop_after,
     )
-    return relocation, told
+    return relocation, counted
 
 
 def made(**options):
     problem = Problem(LABELS, TEXT)
     evaluator = ProblemEvaluator(SHAPE, problem, Voronoi(SHAPE, len(LABELS)))
-    relocation, told = relocation_on(evaluator, **options)
-    return evaluator, relocation, told
+    relocation, counted = relocation_on(evaluator, **options)
+    return evaluator, relocation, counted
 
 
 def found_at(evaluator, relocation, elements=(0, 20, 40)):
@@ -47,7 +47,7 @@ def found_at(evaluator, relocation, elements=(0, 20, 40)):
 
 @pytest.mark.parametrize("moved", [[0, 1, 2], [1], [2, 0]])
 def test_settling_is_a_pattern_search_of_the_rows_that_were_moved(moved):
-    evaluator, relocation, told = made()
+    evaluator, relocation, counted = made()
     start = found_at(evaluator, relocation)
     rng = np.random.default_rng(0)
     found = relocation.settle(start, moved, step=0.1, threshold=0.02, polls=6, rng=rng)
@@ -79,7 +79,7 @@ def test_settling_is_a_pattern_search_of_the_rows_that_were_moved(moved):
     assert relocation.vector(found.rows) == pytest.approx(ended)
     still = [k for k in range(3) if k not in moved]
     assert (found.rows[still] == start.rows[still]).all()
-    assert sum(told) == count
+    assert sum(counted) == count
 
 
 def test_centres_stay_near_the_shape_and_keep_some_weight():
@@ -131,7 +131,7 @@ def test_only_labels_of_a_role_are_exchanged():
 
 
 def test_the_best_so_far_never_gets_worse_and_costs_what_it_says():
-    evaluator, relocation, told = made()
+    evaluator, relocation, counted = made()
     racers = [found_at(evaluator, relocation), found_at(evaluator, relocation, (5, 30, 45))]
     racers.sort(key=lambda found: found.cost)
     best = list(relocation.improved(racers, 12, np.random.default_rng(0)))
@@ -141,15 +141,15 @@ def test_the_best_so_far_never_gets_worse_and_costs_what_it_says():
     assert costs[-1] < racers[0].cost
     for found in best:
         assert evaluator.evaluate(relocation.vector(found.rows)).cost == found.cost
-    assert sum(told) <= candidates_of(12, 3)
+    assert sum(counted) <= candidates_of(12, 3)
 
 
 @pytest.mark.parametrize("after", [1, 3, 40])
 def test_it_ends_soon_after_it_is_asked_to_stop(after):
-    evaluator, relocation, told = made(stop_after=after)
+    evaluator, relocation, counted = made(stop_after=after)
     racers = [found_at(evaluator, relocation)]
     best = list(relocation.improved(racers, 30, np.random.default_rng(0)))
-    assert len(told) <= after + 1
+    assert len(counted) <= after + 1
     assert best[-1].cost <= racers[0].cost
 
 

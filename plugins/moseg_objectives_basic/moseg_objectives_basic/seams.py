@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 
 from moseg_core import Part, Segmentation, objective
+from moseg_objectives_basic.fields.concavity import CHEAP, DEAR
 
 _UNCREASED = "basic:uncreased"
 
@@ -207,7 +208,7 @@ def separate(part: Part) -> float:
     boundary = part.boundary
     if not boundary.length > 0:
         return 0.0
-    joined = boundary.length * (0.15 + 1.35 * boundary.mean(_UNCREASED))
+    joined = boundary.length * (CHEAP + (DEAR - CHEAP) * boundary.mean(_UNCREASED))
     return joined / (joined + math.sqrt(4.0 * math.pi * part.area))
 
 

@@ -31,7 +31,7 @@ from moseg_objectives_basic.fields.rays import outward_normals
 
 FloatArray = npt.NDArray[np.float64]
 
-_CHEAP, _DEAR = 0.15, 1.5
+CHEAP, DEAR = 0.15, 1.5
 """Least and greatest weight of a piece of boundary, by its concavity."""
 
 
@@ -100,8 +100,8 @@ def uncreased(shape: Shape, *, radius: Annotated[float, Interval(1e-4, 1)] = 0.0
     >>> bool(values.min() >= 0 and values.max() <= 1)
     True
     """
-    weight = np.clip(1.0 - field_values(shape, "basic:concavity", radius=radius), _CHEAP, _DEAR)
-    scaled: FloatArray = (weight - _CHEAP) / (_DEAR - _CHEAP)
+    weight = np.clip(1.0 - field_values(shape, "basic:concavity", radius=radius), CHEAP, DEAR)
+    scaled: FloatArray = (weight - CHEAP) / (DEAR - CHEAP)
     return scaled
 
 
