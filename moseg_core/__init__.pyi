@@ -67,6 +67,7 @@ from moseg_core.io import read_labels as read_labels
 from moseg_core.io import save as save
 from moseg_core.io import save_labels as save_labels
 from moseg_core.io import write_file as write_file
+from moseg_core.language.table import Table as Table
 from moseg_core.language.target import Target as Target
 from moseg_core.problem.aggregate import CallValue as CallValue
 from moseg_core.problem.aggregate import Evaluation as Evaluation

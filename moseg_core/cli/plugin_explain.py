@@ -12,6 +12,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from moseg_core import language
 from moseg_core.cli.console import console, print_json
 from moseg_core.cli.recipes import read_shipped
 from moseg_core.components.discovery.registry import Component, registry
@@ -26,7 +27,6 @@ from moseg_core.components.explanation import (
 )
 from moseg_core.components.objectives import Traits
 from moseg_core.errors import PluginError, UsageError, unknown
-from moseg_core.language import Target
 
 #: Sections of a docstring that are shown, under these titles.
 _SHOWN = {"Returns": "value", "Raises": "raises", "Notes": "notes", "References": "references"}
@@ -199,7 +199,9 @@ def _document(explained: Explained) -> dict[str, Any]:
 
 def _plain(value: Any) -> Any:
     """The value of a parameter as JSON can say it: a target as it is written."""
-    return str(value) if isinstance(value, Target) else value
+    if isinstance(value, language.Table):
+        return value.document()
+    return str(value) if isinstance(value, language.Target) else value
 
 
 def _of_field(spec: Spec) -> dict[str, Any]:

@@ -19,7 +19,7 @@ from moseg_core.components.discovery.registry import Component
 from moseg_core.components.objectives import Traits
 from moseg_core.components.parameters import PROVIDED, Parameter, declared_parameters
 from moseg_core.errors import PluginError
-from moseg_core.language import Target
+from moseg_core.language import Table, Target
 from moseg_core.language.terms import format_value
 
 #: Kinds whose targets take parameters.
@@ -168,6 +168,7 @@ def bounds(parameter: Parameter) -> str:
         bool: "0 or 1",
         str: "text",
         Target: "a target such as 0.06+-0.02",
+        Table: "a table of the recipe, by its name",
     }
     words = kinds[parameter.type]
     if str(parameter.interval) != "any number":
@@ -192,6 +193,8 @@ def default(parameter: Parameter) -> str:
         return "none"
     if parameter.type in (str, Target):
         return format_value(parameter.default)
+    if parameter.type is Table:
+        return "a table of the component's own"
     return f"{parameter.default:g}"
 
 

@@ -27,6 +27,7 @@ import numpy as np
 from moseg_core.components.discovery.lookup import FoundField, Lookup
 from moseg_core.components.requirements import lack
 from moseg_core.errors import REPORT, PluginError, ShapeError
+from moseg_core.language import Table
 from moseg_core.shape.shape import Shape
 from moseg_core.types import FloatArray, frozen
 
@@ -62,7 +63,7 @@ def field_values(
     lookup : Lookup, optional
         Where to look for it; everything installed by default.
     **parameters
-        The field's own parameters.
+        The field's own parameters; a table may be any mapping.
 
     Returns
     -------
@@ -87,6 +88,8 @@ def field_values(
     (True, True)
     """
     found = (Lookup() if lookup is None else lookup).field(name)
+    # The key of what is kept; components themselves hand on the tables that they were given.
+    parameters = {k: Table(v) if isinstance(v, Mapping) else v for k, v in parameters.items()}
     values = _values(shape, found, parameters)
     if shape.members is None:
         return values

@@ -11,6 +11,11 @@ bounds its value::
 
     def size(part, *, area: Annotated[Target | None, Interval(0, 1)] = None): ...
 
+What takes more than a call can hold is declared as a :class:`~moseg_core.language.table.Table`; the
+call names a table of the recipe, ``among=looks``, and the component gets the table itself::
+
+    def likely(part, *, kind: str, among: Table): ...
+
 From that one place come the check of ``key=value`` in an expression or a recipe, the defaults,
 and what the documentation shows.
 """
@@ -24,7 +29,8 @@ from dataclasses import dataclass
 from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
 from moseg_core.errors import ExpressionError, UsageError, unknown
-from moseg_core.language import Target, parse_target
+from moseg_core.language import Table, Target, parse_target
+from moseg_core.language.table import GIVEN
 
 KINDS: dict[type, str] = {
     float: "a number",
@@ -32,6 +38,7 @@ KINDS: dict[type, str] = {
     bool: "true or false",
     str: "a word",
     Target: "a target",
+    Table: "a table",
 }
 """The types that a parameter can have, as users are told."""
 
@@ -77,7 +84,8 @@ class Parameter:
     ----------
     name : str
     type : type
-        ``float``, ``int``, ``bool``, ``str`` or :class:`~moseg_core.Target`.
+        ``float``, ``int``, ``bool``, ``str``, :class:`~moseg_core.Target` or
+        :class:`~moseg_core.Table`.
     default : object or None
         None where a value must be given, or where None is the default.
     interval : Interval
@@ -102,8 +110,12 @@ class Parameter:
             value = self._target(value, owner)
             self._check_number(value.value, owner)
             return value
+        if self.type is Table:
+            return self._table(value, owner)
         if isinstance(value, Target):
             raise self._must_be(owner, f"the target {value}")
+        if isinstance(value, Mapping):
+            raise self._must_be(owner, "a table")
         if self.type in (int, float):
             if isinstance(value, bool) or not isinstance(value, (int, float)):
                 raise self._must_be(owner, repr(value))
@@ -127,6 +139,13 @@ class Parameter:
             except ExpressionError as error:
                 raise self._must_be(owner, f"{value!r}; {_ADVICE}") from error
         raise self._must_be(owner, f"{value!r}; {_ADVICE}")
+
+    def _table(self, value: Any, owner: str) -> Table:
+        if not isinstance(value, Mapping):
+            raise self._must_be(
+                owner, f"{value!r}; name one of the recipe's tables: {self.name}=looks"
+            )
+        return value if isinstance(value, Table) else Table(value)
 
     def _check_number(self, value: float, owner: str) -> None:
         if not math.isfinite(value):
@@ -160,8 +179,9 @@ def declared_parameters(
     Raises
     ------
     TypeError
-        A parameter whose type is none of float, int, bool, str and Target, or whose annotation
-        names something that does not exist; an object without a signature.
+        A parameter whose type is none of float, int, bool, str, Target and Table, or whose
+        annotation names something that does not exist; one called ``given``, which calls have for
+        tables; an object without a signature.
 
     Examples
     --------
@@ -183,13 +203,18 @@ def declared_parameters(
     for parameter in signature.parameters.values():
         if parameter.kind is not inspect.Parameter.KEYWORD_ONLY or parameter.name in reserved:
             continue
+        if parameter.name == GIVEN:
+            raise TypeError(
+                f"no parameter can be called '{GIVEN}': in a call that key takes parameters from a"
+                " table"
+            )
         required = parameter.default is inspect.Parameter.empty
         annotation = hints.get(parameter.name, float if required else type(parameter.default))
         kind, interval, optional = _read_annotation(annotation)
         if kind not in KINDS:
             raise TypeError(
                 f"parameter '{parameter.name}' of {getattr(target, '__name__', target)!r} must be"
-                f" annotated as float, int, bool, str or Target, not {annotation!r}"
+                f" annotated as float, int, bool, str, Target or Table, not {annotation!r}"
             )
         found.append(
             Parameter(

@@ -7,7 +7,7 @@ There is one grammar, of which every option, recipe and result uses as much as i
     call       = name [ "(" [ argument { "," argument } ] ")" ]
     name       = word [ ":" word ]
     argument   = label | glob | key "=" value
-    value      = ["+" | "-"] number [ ("+-" | "±") number ] | word | quoted
+    value      = ["+" | "-"] number [ ("+-" | "±") number ] | word { "." word } | quoted
     quoted     = '"' { character | '\"' | '\\' } '"'
 
 - A *word*, and so a key, is made of ASCII letters, digits and ``_`` and begins with no digit; a
@@ -16,6 +16,8 @@ There is one grammar, of which every option, recipe and result uses as much as i
   ``false`` and ``none`` mean themselves, and so do numbers; ``"none"`` and ``"1.5"`` are words.
 - Two numbers with ``+-`` or ``±`` between them are a *target*
   (:mod:`~moseg_core.language.target`): a typical value and how far from it is still usual.
+- Words with points between them are the path of a table in a table: ``given=looks.leg``. The key
+  ``given`` takes parameters from a table (:mod:`~moseg_core.language.table`).
 - Labels and globs come first, parameters after them, each key once.
 
 What stands where:
@@ -38,7 +40,17 @@ What the names mean is decided by :mod:`moseg_core.problem.problem`.
 """
 
 from moseg_core.language.parser import parse, parse_call, parse_target
+from moseg_core.language.table import Table
 from moseg_core.language.target import Target
 from moseg_core.language.terms import Argument, Expression, Term
 
-__all__ = ["Argument", "Expression", "Target", "Term", "parse", "parse_call", "parse_target"]
+__all__ = [
+    "Argument",
+    "Expression",
+    "Table",
+    "Target",
+    "Term",
+    "parse",
+    "parse_call",
+    "parse_target",
+]

@@ -224,6 +224,8 @@ class _Parser:
         if self.peek.kind == "word" and is_word(self.peek.text):
             word = self.take().text
             return LITERALS.get(word, word)
+        if self.peek.kind == "path":
+            return self.take().text
         if self.peek.text in ("+", "-"):
             negative = self.take().text == "-"
             value = self.number("a number")

@@ -14,7 +14,7 @@ from functools import cached_property
 from numbers import Real
 
 from moseg_core.language.target import Target
-from moseg_core.language.tokens import format_number, quoted
+from moseg_core.language.tokens import format_number, is_path, quoted
 
 Value = float | str | Target | None
 """Of a parameter: a number (int and bool are some), a word, a target, or nothing."""
@@ -159,4 +159,5 @@ def format_value(value: object) -> str:
     if isinstance(value, Target):
         return str(value)
     word = str(value)
-    return word if is_word(word) and word not in LITERALS else quoted(word)
+    plain = is_path(word) or (is_word(word) and word not in LITERALS)
+    return word if plain else quoted(word)

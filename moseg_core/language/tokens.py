@@ -18,11 +18,12 @@ from typing import Literal
 
 from moseg_core.errors import ExpressionError
 
-TokenKind = Literal["number", "word", "glob", "quoted", "symbol", "end"]
+TokenKind = Literal["number", "word", "path", "glob", "quoted", "symbol", "end"]
 
 _SPACE = re.compile(r"\s*")
 _NUMBER = re.compile(r"(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?(?![\w.])", re.ASCII)
 _WORD = re.compile(r"\w+", re.ASCII)
+_PATH = re.compile(r"[A-Za-z_]\w*(?:\.[A-Za-z_]\w*)+", re.ASCII)
 _GLOB = re.compile(r"[\w*]+", re.ASCII)
 _OPEN_QUOTATION = re.compile(r'"(?:[^"\\]|\\["\\])*')
 _ESCAPED = re.compile(r'\\(["\\])')
@@ -79,10 +80,12 @@ def tokenize(text: str) -> list[Token]:
 
 
 def _token_at(text: str, at: int, *, inside: bool, value: bool) -> Token:
-    """The token at a place; `inside` parentheses words may be globs, a `value` is a number."""
+    """The token at a place; `inside` parentheses words may be globs, a `value` a number or path."""
     number = _NUMBER.match(text, at)
     if number and (value or not inside):
         return Token("number", number.group(), at)
+    if value and (path := _PATH.match(text, at)):
+        return Token("path", path.group(), at)
     if inside and (glob := _GLOB.match(text, at)):
         return Token("glob" if "*" in glob.group() else "word", glob.group(), at)
     if not inside and (word := _WORD.match(text, at)):
@@ -108,6 +111,17 @@ def _quotation(text: str, at: int) -> Token:
     if not after:
         raise ExpressionError("the quote does not end; close it with another", text, at, stop)
     return Token("quoted", text[at : stop + 1], at)
+
+
+def is_path(text: str) -> bool:
+    """Whether a text is words with points between them.
+
+    Examples
+    --------
+    >>> is_path("looks.leg"), is_path("looks"), is_path("0.5")
+    (True, False, False)
+    """
+    return _PATH.fullmatch(text) is not None
 
 
 def quoted(word: str) -> str:

@@ -3,6 +3,9 @@
 A term of the language becomes a :class:`BoundTerm`: an objective, its weight, and the *calls*
 that it stands for. A unary objective given several labels is called once for each, and the values
 add up; an n-ary one is called once with all of them; a global one once with no labels.
+
+Where a call names a table of the problem (:mod:`moseg_core.language.table`), the parameters of the
+bound term are those of the table and the call together: nothing behind this needs to know of it.
 """
 
 from __future__ import annotations
@@ -18,7 +21,8 @@ from moseg_core.components.objectives import COST_ORDER
 from moseg_core.components.parameters import Parameter, check_parameters
 from moseg_core.components.protocols import Objective
 from moseg_core.errors import REPORT, ExpressionError, PluginError, UsageError, nearest, unknown
-from moseg_core.language import Argument, Expression, Term
+from moseg_core.language import Argument, Expression, Table, Term
+from moseg_core.language.table import GIVEN, named_table
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -35,6 +39,7 @@ class BoundTerm:
         Where the objective comes from, for messages.
     objective : Objective
     parameters : dict of str to value
+        Those of the table that the call names, and its own.
     calls : tuple of tuple of int
         For each call the indices of the labels whose parts it receives.
     space : str
@@ -150,6 +155,7 @@ def bind(
     *,
     spaces: Sequence[str] = ("original",),
     space: str = "original",
+    tables: Table | None = None,
 ) -> tuple[BoundTerm, ...]:
     """Look up everything that an expression names.
 
@@ -164,18 +170,22 @@ def bind(
         Where terms can be evaluated.
     space : str
         Where those are that do not say.
+    tables : Table, optional
+        What calls name with ``given``, or for parameters that are tables.
 
     Raises
     ------
     ExpressionError
-        Unknown objective, label, space or parameter, with the nearest name; wrong number of labels.
+        Unknown objective, label, space, table or parameter, with the nearest name; wrong number of
+        labels.
     PluginError
         An objective whose bundle is broken.
     """
     text = expression.text or str(expression)
+    tables = Table() if tables is None else tables
     return tuple(
         replace(
-            _bind_term(term, text, labels, objectives, registry),
+            _bind_term(term, text, labels, objectives, registry, tables),
             space=_space(term, text, spaces, space),
         )
         for term in expression.terms
@@ -200,12 +210,13 @@ def _bind_term(
     labels: Sequence[str],
     objectives: Mapping[str, Objective],
     registry: Registry,
+    tables: Table,
 ) -> BoundTerm:
     identifier, distribution, target = _find(term, text, labels, objectives, registry)
     traits = target.traits
     chosen = chosen_labels(term, text, labels)
     _check_count(term, text, target, len(chosen))
-    parameters = chosen_parameters(term, text, target.parameters)
+    parameters = chosen_parameters(term, text, target.parameters, tables)
     if traits.arity == "unary":
         calls: tuple[tuple[int, ...], ...] = tuple((index,) for index in chosen)
     else:
@@ -269,21 +280,37 @@ def chosen_labels(term: Term, text: str, labels: Sequence[str]) -> list[int]:
     return chosen
 
 
-def chosen_parameters(term: Term, text: str, declared: tuple[Parameter, ...]) -> dict[str, Any]:
+def chosen_parameters(
+    term: Term, text: str, declared: tuple[Parameter, ...], tables: Table
+) -> dict[str, Any]:
     """The parameters that a call gives, checked against their declaration.
+
+    With ``given=NAME`` those of a table, in so far as the call does not give them itself. Where
+    a parameter is declared as a table, the name of one stands for it.
 
     Raises
     ------
     ExpressionError
-        One that is unknown, of another type, out of range or missing; points at the place.
+        One that is unknown, of another type, out of range or missing, or a table that is unknown;
+        points at the place.
     """
     parameters: dict[str, Any] = {}
-    optional = tuple(replace(parameter, required=False) for parameter in declared)
+    optional = {p.name: replace(p, required=False) for p in declared}
     # A call made in Python need not say where its parameters stand.
     spans = term.keys or (term.span,) * len(term.parameters)
-    for (key, value), span in zip(term.parameters, spans, strict=True):
+    said = list(zip(term.parameters, spans, strict=True))
+    # The table's go first, so that the call's own replace them.
+    for (key, value), span in sorted(said, key=lambda one: one[0][0] != GIVEN):
         try:
-            parameters |= check_parameters(optional, {key: value}, f"'{term.name}'")
+            if key == GIVEN:
+                entries: Mapping[str, Any] = named_table(tables, value)
+                who = f"table '{value}' for '{term.name}'"
+            else:
+                entries, who = {key: value}, f"'{term.name}'"
+            for name, entry in entries.items():
+                if isinstance(entry, str) and name in optional and optional[name].type is Table:
+                    entry = named_table(tables, entry)
+                parameters |= check_parameters(tuple(optional.values()), {name: entry}, who)
         except UsageError as error:
             raise ExpressionError(str(error), text, *span) from error
     try:

@@ -17,7 +17,7 @@ from moseg_core.components.discovery.registry import Component, Registry, descri
 from moseg_core.components.parameters import declared_parameters
 from moseg_core.components.protocols import Constraint
 from moseg_core.errors import REPORT, ExpressionError, MosegError, PluginError, UsageError
-from moseg_core.language import Argument, Term, parse_call
+from moseg_core.language import Argument, Table, Term, parse_call
 from moseg_core.problem.binding import chosen_labels, chosen_parameters
 from moseg_core.shape.shape import Shape
 
@@ -98,6 +98,7 @@ def bind_constraints(
     labels: Sequence[str],
     registry: Registry,
     plane: str | None,
+    tables: Table | None = None,
 ) -> tuple[BoundConstraint, ...]:
     """Look up everything that constraints name.
 
@@ -111,6 +112,8 @@ def bind_constraints(
     registry : Registry
     plane : str or None
         For constraints that take a parameter of this name and are not given one.
+    tables : Table, optional
+        The problem's tables, from which calls take parameters.
 
     Raises
     ------
@@ -123,10 +126,11 @@ def bind_constraints(
     """
     if isinstance(given, str):
         raise UsageError(f"constraints must be a list of calls, not the text '{given}'")
+    tables = Table() if tables is None else tables
     found: list[BoundConstraint] = []
     for item in given:
         if isinstance(item, str):
-            found += _from_text(item, labels, registry, plane)
+            found += _from_text(item, labels, registry, plane, tables)
         elif isinstance(item, FunctionConstraint):
             name = item.__name__
             every = tuple(range(len(labels)))
@@ -149,7 +153,7 @@ def bind_constraints(
 
 
 def _from_text(
-    text: str, labels: Sequence[str], registry: Registry, plane: str | None
+    text: str, labels: Sequence[str], registry: Registry, plane: str | None, tables: Table
 ) -> list[BoundConstraint]:
     term = parse_call(text, labels=True)
     try:
@@ -165,7 +169,7 @@ def _from_text(
         )
     except TypeError as error:
         raise PluginError(f"{component.who} cannot be used: {error}; {REPORT}") from error
-    parameters = chosen_parameters(term, text, declared)
+    parameters = chosen_parameters(term, text, declared, tables)
     if plane is not None and any(parameter.name == "plane" for parameter in declared):
         parameters.setdefault("plane", plane)
     chosen = chosen_labels(term, text, labels) or list(range(len(labels)))

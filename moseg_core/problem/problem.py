@@ -33,7 +33,7 @@ from moseg_core.problem.aggregate import Evaluation, evaluate_segmentation
 from moseg_core.problem.binding import BoundTerm, bind
 from moseg_core.problem.constraint_calls import bind_constraints
 from moseg_core.problem.constraints import Constraints
-from moseg_core.problem.statement import Statement, check_label_names
+from moseg_core.problem.statement import Statement, check_label_names, check_tables
 from moseg_core.shape.shape import Shape
 from moseg_core.types import FloatArray
 
@@ -63,6 +63,9 @@ class Problem:
         A deformation of the shape in which the partition is found, such as "mds" (Sec. 9).
     space : str, optional
         Where terms are evaluated that do not say, "original" or the embedding's name.
+    given : mapping of str to mapping, optional
+        Tables that calls name: with ``{"leg": {"area": Target(0.06, 0.02)}}`` the call
+        ``is(leg*, given=leg)`` means ``is(leg*, area=0.06+-0.02)``.
     registry : Registry, optional
         Where to look for installed objectives; everything installed by default.
 
@@ -92,6 +95,7 @@ class Problem:
         plane: str | None = None,
         embedding: str | Mapping[str, Any] | Choice | None = None,
         space: str | None = None,
+        given: Mapping[str, Any] | None = None,
         registry: Registry | None = None,
     ) -> None:
         self.labels = check_label_names(labels)
@@ -100,6 +104,7 @@ class Problem:
         self.expression = parse(minimize) if isinstance(minimize, str) else minimize
         self._own = {name: _as_objective(name, f) for name, f in (objectives or {}).items()}
         self._registry = registry
+        self.given = check_tables(given)
         self.plane = plane
         self.embedding = None if embedding is None else Choice.read(embedding, "embedding")
         # Bound at once, so that a mistake shows where it is made.
@@ -121,10 +126,13 @@ class Problem:
             self.registry,
             spaces=spaces,
             space=self.space,
+            tables=self.given,
         )
         if plane is not None and not isinstance(plane, str):
             raise UsageError(f"plane must be a text such as 'auto' or 'x', not {plane!r:.60}")
-        self.bound_constraints = bind_constraints(constraints, self.labels, self.registry, plane)
+        self.bound_constraints = bind_constraints(
+            constraints, self.labels, self.registry, plane, self.given
+        )
 
     @classmethod
     def of(cls, statement: Statement, *, registry: Registry | None = None) -> Problem:
@@ -154,6 +162,7 @@ class Problem:
             plane=statement.plane,
             embedding=statement.embedding,
             space=statement.space,
+            given=statement.given,
             registry=registry,
         )
 
@@ -167,6 +176,7 @@ class Problem:
             plane=self.plane,
             embedding=self.embedding,
             space=None if self.embedding is None else self.space,
+            given=self.given,
         )
 
     def __repr__(self) -> str:

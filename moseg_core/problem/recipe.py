@@ -18,6 +18,15 @@ A shape that is known to be symmetric, or that is to be unfolded, adds (Sec. 8 a
     embedding = "mds"                       # where the partition lives
     space = "mds"                           # where terms are evaluated that do not say
 
+What is too much for the expression stands in tables, which it names; targets are texts
+(:mod:`moseg_core.language.table`)::
+
+    minimize = "is(leg*, given=leg) + separate_parts"
+
+    [given.leg]
+    area = "0.06+-0.02"
+    thickness = "0.04+-0.01"
+
 Parts are segmented in their turn by recipes of their own, with the same keys, or by one that has
 a name (:mod:`moseg_core.problem.hierarchy`). They are given for labels and globs::
 
@@ -39,6 +48,7 @@ its own one requires.
 from __future__ import annotations
 
 import json
+import re
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -50,7 +60,9 @@ from moseg_core.errors import REPORT, PluginError, UsageError, unknown
 from moseg_core.problem.full_names import meant_by_bundle, statement_in_full
 from moseg_core.problem.hierarchy import Hierarchy, expand_parts
 from moseg_core.problem.problem import Problem
-from moseg_core.problem.statement import KEYS, SEPARATOR, Statement, check_label_names, joined
+from moseg_core.problem.statement import KEYS, Statement, check_label_names, joined
+
+_BARE_KEY = re.compile(r"[A-Za-z0-9_-]+\Z", re.ASCII)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -125,15 +137,24 @@ class Recipe:
         minimize = "narrow(a)"
         """
         described = {"description": self.description} if self.description else {}
-        lines = [*_toml_lines(described), *_toml_lines(self.statement.alone().document())]
-        for path, level in list(self.statement.levels())[1:]:
-            heading = ".parts.".join(_toml_value(label) for label in path.split(SEPARATOR))
-            lines += ["", f"[parts.{heading}]", *_toml_lines(level.alone().document())]
+        lines = _toml_lines({**described, **self.statement.document()}, "")
         return "\n".join(lines) + "\n"
 
 
-def _toml_lines(table: Mapping[str, Any]) -> list[str]:
-    return [f"{key} = {_toml_value(value)}" for key, value in table.items()]
+def _toml_lines(table: Mapping[str, Any], heading: str) -> list[str]:
+    """The lines of a table: its values, then the tables in it, each under its heading."""
+    values = {key: value for key, value in table.items() if not isinstance(value, dict)}
+    lines = [f"{_toml_key(key)} = {_toml_value(value)}" for key, value in values.items()]
+    if heading and (values or not table):  # a table of tables alone needs no heading of its own
+        lines = ["", f"[{heading}]", *lines]
+    for key, value in table.items():
+        if isinstance(value, dict):
+            lines += _toml_lines(value, f"{heading}.{_toml_key(key)}" if heading else key)
+    return lines
+
+
+def _toml_key(key: str) -> str:
+    return key if _BARE_KEY.match(key) else _toml_value(key)
 
 
 def _toml_value(value: Any) -> str:

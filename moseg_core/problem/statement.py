@@ -2,11 +2,12 @@
 
 A problem is stated by the same few things wherever it is written down: names of the labels, the
 aggregate objective, constraints on the centres, the plane they need, an embedding and the space
-in which terms are evaluated, how the search is to be done, and the same again for parts that are
-segmented in their turn. A :class:`Statement` holds them as they were written. It is read from a
-recipe (:mod:`moseg_core.problem.recipe`), from a result (:mod:`moseg_core.io.result_json`) or from
-the command line (:mod:`moseg_core.cli.request`), and written to each of them. Two statements that
-are equal ask for the same, and :meth:`Statement.digest` tells in a few characters whether they do.
+in which terms are evaluated, tables that calls name, how the search is to be done, and the same
+again for parts that are segmented in their turn. A :class:`Statement` holds them as they were
+written. It is read from a recipe (:mod:`moseg_core.problem.recipe`), from a result
+(:mod:`moseg_core.io.result_json`) or from the command line (:mod:`moseg_core.cli.request`), and
+written to each of them. Two statements that are equal ask for the same, and
+:meth:`Statement.digest` tells in a few characters whether they do.
 
 A statement may be *open*: one of its labels, ``part*``, stands for as many as whoever asks wants
 (:meth:`Statement.with_parts`).
@@ -26,6 +27,7 @@ from typing import Any
 
 from moseg_core.components.chosen import Choice
 from moseg_core.errors import UsageError, unknown
+from moseg_core.language import Table
 from moseg_core.problem.settings import RECIPE_OPTIONS, Method, check_method
 
 _LABEL = re.compile(r"\w+\Z", re.ASCII)
@@ -35,7 +37,16 @@ _OPEN_LABEL = re.compile(r"\w*[A-Za-z_]\*\Z", re.ASCII)
 SEPARATOR = "/"
 """Between the labels of a path; no label contains it."""
 
-KEYS = ("labels", "minimize", "constraints", "plane", "embedding", "space", *RECIPE_OPTIONS)
+KEYS = (
+    "labels",
+    "minimize",
+    "constraints",
+    "plane",
+    "embedding",
+    "space",
+    "given",
+    *RECIPE_OPTIONS,
+)
 """What a statement of one level is made of, by the names that recipes and results use."""
 
 
@@ -57,6 +68,8 @@ class Statement:
         Where the partition lives.
     space : str or None
         Where terms are evaluated that do not say.
+    given : Table
+        Tables by the names that calls have for them; any mapping is read as one.
     search : Method
         How it is to be solved, as far as that is said: components, resolution, restarts, finalists.
     parts : tuple of (str, Statement)
@@ -77,12 +90,14 @@ class Statement:
     plane: str | None = None
     embedding: Choice | None = None
     space: str | None = None
+    given: Table = field(default_factory=Table)
     search: Method = field(default_factory=Method)
     parts: tuple[tuple[str, Statement], ...] = ()
 
     def __post_init__(self) -> None:
         for name in ("labels", "constraints", "parts"):
             object.__setattr__(self, name, tuple(getattr(self, name)))
+        object.__setattr__(self, "given", check_tables(self.given))
         check_method(self.search, "a statement's search")
 
     @classmethod
@@ -112,6 +127,7 @@ class Statement:
             plane=_text(table, "plane") if "plane" in table else None,
             embedding=None if embedding is None else Choice.read(embedding, "embedding"),
             space=_text(table, "space") if "space" in table else None,
+            given=check_tables(table.get("given")),
             search=Method(**{key: table[key] for key in RECIPE_OPTIONS if key in table}),
             parts=tuple((label, cls.read(part)) for label, part in table.get("parts", {}).items()),
         )
@@ -129,6 +145,7 @@ class Statement:
         for key in RECIPE_OPTIONS:
             value = getattr(self.search, key)
             said[key] = _written(value) if isinstance(value, Choice) else value
+        said["given"] = self.given.document()
         said["parts"] = {label: part.document() for label, part in self.parts}
         return {key: value for key, value in said.items() if value or key in ("labels", "minimize")}
 
@@ -231,6 +248,23 @@ def check_label_names(labels: Sequence[str], *, may_be_open: bool = False) -> tu
     if sum(name.endswith("*") for name in names) > 1:
         raise UsageError(f"one label may end with '*', not several: {', '.join(names)}")
     return names
+
+
+def check_tables(given: Mapping[str, Any] | None) -> Table:
+    """Tables by name, from plain data or as they are; or a UsageError that says what is none.
+
+    Examples
+    --------
+    >>> check_tables({"leg": {"area": "0.06±0.02"}})["leg"]
+    Table({'area': Target(value=0.06, spread=0.02)})
+    """
+    if given is not None and not isinstance(given, Mapping):
+        raise UsageError(f"'given' must be tables such as [given.leg]; it is {given!r:.60}")
+    tables = given if isinstance(given, Table) else Table(given)
+    for name, table in tables.items():
+        if not isinstance(table, Table):
+            raise UsageError(f"'given' must be tables such as [given.{name}]; {name!r} is {table}")
+    return tables
 
 
 def joined(path: str, label: str) -> str:

@@ -8,6 +8,7 @@ from moseg_core.cli.flags import ProblemFlags, SearchedProblemFlags, SearchFlags
 from moseg_core.cli.request import read_pins, read_search, read_statement, read_task
 from moseg_core.components.chosen import Choice
 from moseg_core.errors import UsageError
+from moseg_core.language import Target
 from moseg_core.problem.recipe import load_recipe
 
 
@@ -17,6 +18,16 @@ def test_options_replace_what_the_recipe_says_and_nothing_else():
     changed = read_statement(SearchedProblemFlags(recipe="paper_bulldog", minimize="narrow(leg*)"))
     assert (changed.labels, changed.minimize) == (recipe.labels, "narrow(leg*)")
     assert (changed.constraints, changed.plane) == (recipe.constraints, recipe.plane)
+
+
+def test_another_expression_may_name_the_recipes_tables(tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text(
+        'labels = ["a", "b"]\nminimize = "is(a, given=a)"\n[given.a]\narea = "0.3+-0.1"\n'
+    )
+    flags = SearchedProblemFlags(recipe=str(path), minimize="is(b, given=a) + compact(a)")
+    (term, _) = read_task(flags).problem.terms
+    assert (term.calls, term.parameters) == (((1,),), {"area": Target(0.3, 0.1)})
 
 
 def test_none_leaves_out_what_the_recipe_has():

@@ -18,7 +18,7 @@ from moseg_core.components.parameters import (
     declared_parameters,
 )
 from moseg_core.errors import UsageError
-from moseg_core.language import Target
+from moseg_core.language import Table, Target
 
 TARGET_ADVICE = "write 0.06+-0.02: a typical value and how far from it is still usual"
 REALS = st.floats(allow_nan=False, allow_infinity=False)
@@ -143,6 +143,13 @@ def test_other_types_are_refused_by_name(target):
         declared_parameters(target)
 
 
+def test_the_key_for_tables_is_nobodys_parameter():
+    def taking(part, *, given: float = 1.0) -> float: ...
+
+    with pytest.raises(TypeError, match="no parameter can be called 'given'"):
+        declared_parameters(taking)
+
+
 @pytest.mark.parametrize(
     ("kind", "value", "result"),
     [
@@ -158,6 +165,8 @@ def test_other_types_are_refused_by_name(target):
         (Target, Target(0.06, 0.02), Target(0.06, 0.02)),
         (Target, "0.06+-0.02", Target(0.06, 0.02)),  # as the table of a recipe has it
         (Target, " -6 ± 2 ", Target(-6, 2)),
+        (Table, Table({"area": 1}), Table({"area": 1})),
+        (Table, {"leg": {"area": "1+-2"}}, Table({"leg": {"area": Target(1, 2)}})),
     ],
 )
 def test_values_come_back_in_the_declared_type(kind, value, result):
@@ -192,6 +201,10 @@ def test_values_come_back_in_the_declared_type(kind, value, result):
         (Target, None, f"must be a target, not None; {TARGET_ADVICE}"),
         (Target, "small", f"must be a target, not 'small'; {TARGET_ADVICE}"),
         (Target, "1+-0", f"must be a target, not '1+-0'; {TARGET_ADVICE}"),
+        (Table, "looks", "must be a table, not 'looks'; name one of the recipe's tables: k=looks"),
+        (Table, None, "must be a table, not None; name one of the recipe's tables: k=looks"),
+        (float, Table({"a": 1}), "must be a number, not a table"),
+        (str, {"a": 1}, "must be a word, not a table"),
         (Target, [1, 2], f"must be a target, not [1, 2]; {TARGET_ADVICE}"),
     ],
 )

@@ -18,7 +18,7 @@ from moseg_core.components.parameters import Interval
 from moseg_core.components.part import Part
 from moseg_core.components.segmentation import Segmentation
 from moseg_core.errors import ExpressionError, PluginError, UsageError
-from moseg_core.language import Argument, Expression, Target, Term, parse
+from moseg_core.language import Argument, Expression, Table, Target, Term, parse
 from moseg_core.problem.binding import bind
 
 LABELS = ("head", "body", "leg1", "leg2", "leg10", "Leg3")
@@ -71,6 +71,11 @@ def sized(
     return 0.0
 
 
+@objective(range=(0, 1))
+def likely(part: Part, *, kind: str, among: Table, count: int = 1) -> float:
+    return 0.0
+
+
 def share_of_sized(given):
     if given.get("length") == Target(1, 1):
         raise UsageError("length=1+-1 goes with nothing")
@@ -96,7 +101,7 @@ class Fifth:
 
 OWN = {
     **{"thin": thin, "like": like, "across": across, "alike": alike, "filled": filled},
-    **{"tube": tube, "sized": sized, "grown": grown, "fifth": Fifth()},
+    **{"tube": tube, "sized": sized, "likely": likely, "grown": grown, "fifth": Fifth()},
 }
 
 
@@ -235,6 +240,98 @@ def test_a_parameter_may_be_a_target():
 )
 def test_targets_are_told_from_numbers(text, message, place):
     assert refusal(text) == (message, place)
+
+
+TABLES = Table(
+    {
+        "leg": {"area": "0.06+-0.02", "height": "5+-1"},
+        "looks": {"leg": {"bias": -1.5}, "among": "looks"},
+        "learned": {"among": "looks", "kind": "leg", "count": 2},
+        "wrong": {"aera": "0.06+-0.02"},
+        "wide": {"area": "6+-2"},
+    }
+)
+
+
+def bound_with_tables(text: str, tables: Table = TABLES):
+    return bind(parse(text), LABELS, OWN, Registry(()), tables=tables)
+
+
+def test_a_call_takes_parameters_from_a_table():
+    plain, own, path = bound_with_tables(
+        "sized(leg*, given=leg) + sized(leg*, height=7+-1, given=leg, area=none)"
+        " + likely(head, given=learned)"
+    )
+    assert plain.parameters == {"area": Target(0.06, 0.02), "height": Target(5, 1)}
+    assert own.parameters == {"area": None, "height": Target(7, 1)}
+    assert path.parameters == {"kind": "leg", "among": TABLES["looks"], "count": 2}
+    assert str(plain.term) == "sized(leg*, given=leg)"
+    (said,) = bound_with_tables("sized(head, area=0.06+-0.02, height=5+-1)")
+    assert said.memo_key == plain.memo_key
+    assert said.memo_key != own.memo_key
+
+
+def test_the_name_of_a_table_stands_for_it():
+    one, inner = bound_with_tables(
+        "likely(leg*, kind=leg, among=looks) + likely(leg*, kind=leg, among=looks.leg)"
+    )
+    assert one.parameters == {"kind": "leg", "among": TABLES["looks"]}
+    assert inner.parameters["among"] == Table({"bias": -1.5})
+    other = Table({"looks": {"leg": {"bias": -1.0}, "among": "looks"}})
+    (changed,) = bound_with_tables(one.term.call, other)
+    (same,) = bound_with_tables(one.term.call, Table(TABLES.document()))
+    assert one.memo_key == same.memo_key
+    assert one.memo_key != changed.memo_key
+
+
+def test_a_share_follows_from_a_table():
+    tables = Table({"leg": {"area": "0.06+-0.02"}})
+    assert bound_with_tables("grown(leg*, given=leg)", tables)[0].expected_share == 0.06
+
+
+@pytest.mark.parametrize(
+    ("text", "reason", "advice", "place"),
+    [
+        ("sized(leg1, given=lge)", "unknown table 'lge'", "did you mean 'leg'?", "given"),
+        ("likely(leg1, among=loks)", "unknown table 'loks'", "did you mean 'looks'?", "among"),
+        (
+            "sized(leg1, given=wrong)",
+            "table 'wrong' for 'sized': unknown parameter 'aera'",
+            "did you mean 'area'?",
+            "given",
+        ),
+        (
+            "sized(leg1, given=wide)",
+            "table 'wide' for 'sized': parameter 'area' is 6",
+            "allowed is 0 to 1",
+            "given",
+        ),
+        (
+            "sized(leg1, given=3)",
+            "the name of a table is a word, not 3",
+            "write given=leg",
+            "given",
+        ),
+        (
+            "likely(leg1, kind=leg, among=3)",
+            "'likely': parameter 'among' must be a table, not 3",
+            "name one of the recipe's tables: among=looks",
+            "among",
+        ),
+    ],
+)
+def test_mistakes_about_tables(text, reason, advice, place):
+    with pytest.raises(ExpressionError) as caught:
+        bound_with_tables(text)
+    error = caught.value
+    assert str(error).splitlines()[0] == f'{reason} in "{text}"; {advice}'
+    assert error.text[error.start : error.stop] == place
+
+
+def test_without_tables_it_is_said_how_to_write_one():
+    message, place = refusal("sized(leg1, given=leg)")
+    assert place == "given"
+    assert message.endswith("; write one into the recipe: [given.leg]")
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from moseg_core.components.constraint_function import FunctionConstraint
 from moseg_core.components.protocols import Constraint
 from moseg_core.errors import ExpressionError, PluginError, UsageError
-from moseg_core.language import Argument, Term
+from moseg_core.language import Argument, Table, Term
 from moseg_core.problem.constraint_calls import bind_constraints
 from moseg_core.problem.problem import Problem
 from tests.reflections import known, pair
@@ -38,6 +38,16 @@ def test_what_a_rule_says_of_itself_gives_the_same_rule_again():
     for rule in rules:
         (again,) = bound(rule.text)
         assert (again.id, again.labels, again.parameters) == (rule.id, rule.labels, rule.parameters)
+
+
+def test_a_rule_takes_parameters_from_a_table():
+    tables = Table({"both": {"plane": "y", "share": 0.25}})
+    rules = bind_constraints(["tilted(leg*, given=both)"], LABELS, known(), None, tables)
+    for rule in rules:
+        assert rule.parameters == {"plane": "y", "share": 0.25}
+        assert "given=both" in rule.text
+    with pytest.raises(ExpressionError, match="there is no table 'both'"):
+        bound("tilted(leg*, given=both)")
 
 
 @given(

@@ -10,6 +10,7 @@ from moseg_core.components.chosen import Choice, prepare
 from moseg_core.components.discovery.registry import Bundle, Component, Registry, registry
 from moseg_core.components.discovery.specs import ObjectiveSpec
 from moseg_core.errors import ExpressionError, MosegError, PluginError, UsageError
+from moseg_core.language import Table, Target
 from moseg_core.problem.hierarchy import Hierarchy
 from moseg_core.problem.problem import Problem
 from moseg_core.problem.recipe import Recipe, load_recipe, parse_recipe
@@ -285,6 +286,48 @@ def test_a_recipe_may_give_a_label_several_centres():
 
 
 OPEN = 'labels = ["body", "limb*"]\nminimize = "narrow(limb*)"\n'
+
+
+TABLES = """\
+labels = ["leg1", "leg2"]
+minimize = "is(leg*, given=leg)"
+
+[given.leg]
+area = "0.06+-0.02"
+crease = "0+-0.5"
+
+[given.looks.leg]
+bias = -1.5
+"mean thickness" = 3
+
+[parts.leg1]
+labels = ["upper", "lower"]
+minimize = "is(upper, given=half)"
+
+[parts.leg1.given.half]
+area = "0.5+-0.1"
+"""
+
+
+def test_tables_stand_under_their_headings():
+    recipe = parse_recipe(TABLES, "mine")
+    assert recipe.toml() == TABLES
+    assert recipe.statement.given["leg"]["area"] == Target(0.06, 0.02)
+    assert recipe.statement.parts[0][1].given == Table({"half": {"area": "0.5+-0.1"}})
+    task = recipe.hierarchy()
+    assert task.problem.terms[0].parameters == {
+        "area": Target(0.06, 0.02),
+        "crease": Target(0, 0.5),
+    }
+    (half,) = task.children["leg1"].problem.terms
+    assert half.parameters == {"area": Target(0.5, 0.1)}
+
+
+def test_a_mistake_in_a_table_is_told_with_the_recipe():
+    with pytest.raises(UsageError, match=r"^recipe 'mine': 'leg\.area' in the tables is no target"):
+        parse_recipe(TABLES.replace("0.06+-0.02", "0.06+-"), "mine")
+    with pytest.raises(UsageError, match=r"^recipe 'mine/leg1': 'half\.area' in the tables"):
+        parse_recipe(TABLES.replace("0.5+-0.1", "0.5+-"), "mine")
 
 
 def test_a_recipe_may_leave_the_number_of_parts_open():

@@ -33,6 +33,19 @@ WORDS = st.text(st.characters(exclude_categories=["Cs"]), max_size=9)
 NAMES = st.from_regex(r"[a-z][a-z0-9]{0,4}", fullmatch=True)
 TARGETS = st.builds(Target, st.floats(-9, 9), st.floats(1e-9, 9))
 VALUES = st.integers(-9, 9).map(float) | WORDS | st.booleans() | st.none() | TARGETS
+TABLES = st.recursive(
+    st.dictionaries(
+        WORDS.filter(bool),
+        st.integers()
+        | st.floats(allow_nan=False, allow_infinity=False)
+        | st.booleans()
+        | TARGETS
+        | WORDS.filter(lambda text: "+-" not in text and "±" not in text),
+        max_size=2,
+    ),
+    lambda inner: st.dictionaries(WORDS.filter(bool), inner, max_size=2),
+    max_leaves=3,
+)
 CHOICES = st.builds(Choice, NAMES, st.dictionaries(NAMES, VALUES, max_size=2))
 SEARCHES = st.builds(
     Method,
@@ -52,6 +65,7 @@ def statements(parts):
         plane=st.none() | st.sampled_from(["auto", "x"]),
         embedding=st.none() | CHOICES,
         space=st.none() | NAMES,
+        given=st.dictionaries(WORDS.filter(bool), TABLES, max_size=2),
         search=SEARCHES,
         parts=parts,
     )
@@ -98,9 +112,12 @@ def test_a_result_says_what_was_asked(tmp_path):
             "minimize": "narrow(handle)",
             "constraints": ["on_plane(handle)"],
             "plane": "x",
+            "given": {"unused": {"area": "0.5±0.1", "many": 3}},
         }
     )
-    parts = (("head", Statement(labels=("face", "claw"), minimize="compact(face)")),)
+    tables = {"claw": {"length": "0.2+-0.1"}}
+    part = Statement(labels=("face", "claw"), minimize="is(claw, given=claw)", given=tables)
+    parts = (("head", part),)
     task = Hierarchy.of(replace(stated, parts=parts))
     assert task.statement == replace(stated, parts=parts)
     result = segment_hierarchy(
@@ -122,6 +139,8 @@ CHANGES = [
     {"plane": "y"},
     {"embedding": Choice("mds", {"refine": 3.0})},
     {"space": "mds"},
+    {"given": {"leg": {}}},
+    {"given": {"leg": {"area": Target(0.06, 0.02)}}},
     {"search": Method(seeder="evolution")},
     {"search": Method(restarts=2)},
     {"parts": (("a", Statement(labels=("c",), minimize="narrow(c)")),)},
@@ -138,14 +157,20 @@ def test_whatever_differs_shows_in_the_digest(change):
 
 
 def test_a_problem_keeps_its_statement():
+    tables = {"a": {"area": Target(0.5, 0.1)}}
     problem = Problem(
-        ["a", "b"], "  narrow( a )+ 2*flat(b)", constraints=["on_plane(a, b)"], plane="x"
+        ["a", "b"],
+        "  is( a,given=a )+ 2*flat(b)",
+        constraints=["on_plane(a, b)"],
+        plane="x",
+        given=tables,
     )
     assert problem.statement == Statement(
         labels=("a", "b"),
-        minimize="narrow(a) + 2*flat(b)",
+        minimize="is(a, given=a) + 2*flat(b)",
         constraints=("on_plane(a)", "on_plane(b)"),
         plane="x",
+        given=tables,
     )
     assert Problem.of(problem.statement).statement == problem.statement
 
@@ -160,6 +185,12 @@ def test_a_problem_keeps_its_statement():
         ({"labels": ["a"], "minimize": "f", "plane": 3}, "'plane' must be a text; it is 3"),
         ({"labels": ["a"], "minimize": "f", "restarts": 0}, "at least one start, not 0"),
         ({"labels": ["a"], "minimize": "f", "embedding": 3}, "embedding must be a name or a table"),
+        ({"labels": ["a"], "minimize": "f", "given": 3}, "'given' must be tables such as [given.l"),
+        ({"labels": ["a"], "minimize": "f", "given": {"leg": 3}}, "[given.leg]; 'leg' is 3"),
+        (
+            {"labels": ["a"], "minimize": "f", "given": {"leg": {"area": "0.06+-"}}},
+            "'leg.area' in the tables is no target",
+        ),
     ],
 )
 def test_what_is_no_statement(table, message):

@@ -15,7 +15,7 @@ from moseg_core.components.chosen import Choice, prepare
 from moseg_core.components.constraint_function import FunctionConstraint
 from moseg_core.components.parameters import Parameter, check_parameters
 from moseg_core.errors import UsageError
-from moseg_core.language import Target
+from moseg_core.language import Table, Target
 from moseg_core.language.terms import format_value
 from moseg_core.testing.check import ContractFailure, Skip, Subject, check
 from moseg_core.testing.checks.repeats import baseline
@@ -92,11 +92,11 @@ def _tried(
 def within(parameter: Parameter) -> list[Any]:
     """The finite ends of a range, but for values much larger than the default; of targets also 1.
 
-    Nothing of a word: nobody can guess which ones there are.
+    Nothing of a word or a table: nobody can guess which ones there are.
     """
     if parameter.type is bool:
         return [False, True]
-    if parameter.type is str:
+    if parameter.type in (str, Table):
         return []
     usual = tame(parameter).value if parameter.type is Target else parameter.default
     most = 10.0 * max(1.0, abs(usual or 1.0))

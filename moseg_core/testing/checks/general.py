@@ -93,7 +93,7 @@ def _signature_fits(subject: Subject) -> None:
         raise ContractFailure(
             did="its parameters were read from its signature",
             got=str(error),
-            expected="keyword-only arguments annotated as float, int, bool, str or Target",
+            expected="keyword-only arguments annotated as float, int, bool, str, Target or Table",
             fix="annotate them, with moseg_core.Interval for bounds; put what is no parameter of"
             " the user's somewhere else",
         ) from error
