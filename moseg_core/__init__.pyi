@@ -7,6 +7,7 @@ from moseg_core.components.boundary import Boundary as Boundary
 from moseg_core.components.chosen import Choice as Choice
 from moseg_core.components.constraint_function import constraint as constraint
 from moseg_core.components.cost import Cost as Cost
+from moseg_core.components.detail import Detail as Detail
 from moseg_core.components.discovery.contract import CONTRACT as CONTRACT
 from moseg_core.components.discovery.hookspecs import hookimpl as hookimpl
 from moseg_core.components.discovery.registry import Bundle as Bundle

@@ -76,6 +76,20 @@ def terms_table(evaluation: Evaluation) -> Table:
     return table
 
 
+def print_terms(evaluation: Evaluation) -> None:
+    """Print what each term adds to the cost, and what disagrees most in each part."""
+    console(sys.stdout).print(terms_table(evaluation))
+    for line in disagreement_lines(evaluation):
+        print(line)
+
+
+def disagreement_lines(evaluation: Evaluation) -> list[str]:
+    """A heading, and a line for each part; nothing where no objective tells what disagrees."""
+    found = evaluation.disagreements
+    lines = [f"{', '.join(labels) or 'all'}: {detail}" for labels, detail in found.items()]
+    return ["", "what disagrees most in each part:", *lines] if lines else []
+
+
 @contextmanager
 def progress_reporter(*, quiet: bool) -> Iterator[Report]:
     """A function to report progress to, which shows nothing off a terminal."""

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from moseg_core.cli.console import console, message, print_json, terms_table
+from moseg_core.cli.console import message, print_json, print_terms
 from moseg_core.cli.flags import ProblemFlags, ShapeFlags
 from moseg_core.cli.reading import read_shape
 from moseg_core.cli.request import read_statement, read_task
@@ -60,7 +59,7 @@ def run_explain(
     if as_json:
         print_json(evaluation_document(evaluation))
     else:
-        console(sys.stdout).print(terms_table(evaluation))
+        print_terms(evaluation)
 
 
 def _numbered(stated: Statement, labelling: Labelling) -> tuple[Statement, Labelling]:

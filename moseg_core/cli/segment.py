@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from rich.table import Table
 
-from moseg_core.cli.console import console, message, print_json, progress_reporter, terms_table
+from moseg_core.cli.console import console, message, print_json, print_terms, progress_reporter
 from moseg_core.cli.flags import SearchedProblemFlags, SearchFlags, ShapeFlags, SteeringFlags
 from moseg_core.cli.interrupt import stop_on_interrupt
 from moseg_core.cli.reading import read_shape
@@ -220,4 +220,4 @@ def _print_tables(result: Result) -> None:
         parts.add_row(name, str(part.n_elements), f"{100 * share:.1f} %")
     out.print(parts)
     out.print()
-    out.print(terms_table(result.evaluation))
+    print_terms(result.evaluation)

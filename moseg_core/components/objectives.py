@@ -29,6 +29,7 @@ from functools import cached_property
 from numbers import Real
 from typing import Any, Literal, get_args, get_origin, get_type_hints
 
+from moseg_core.components.detail import Detail
 from moseg_core.components.discovery.specs import Invariance, Requirement
 from moseg_core.components.parameters import Parameter, declared_parameters
 from moseg_core.components.part import Part
@@ -42,6 +43,9 @@ FieldNames = Callable[[Mapping[str, Any]], Sequence[str]]
 
 ShareOf = Callable[[Mapping[str, Any]], float | None]
 """From the parameters of a call to the share of the area of a part that it is content with."""
+
+DetailsOf = Callable[..., Sequence[Detail]]
+"""Called like the objective, it tells what the value comes from."""
 
 COST_ORDER: dict[CostClass, int] = {"cheap": 0, "moderate": 1, "expensive": 2}
 
@@ -75,6 +79,9 @@ class Traits:
         From the parameters that a call gives, without defaults, to the share of the whole area,
         above 0 and at most 1, that each of its parts has where the value is low; None where they
         do not tell. Seeders place parts by it (:attr:`moseg_core.Problem.expected_shares`).
+    details : callable or None
+        Called like the objective, with what it is called with; returns the
+        :class:`moseg_core.Detail` of each quantity that the value comes from.
     """
 
     arity: Arity
@@ -86,6 +93,7 @@ class Traits:
     most: int | None = None
     fields: tuple[str, ...] | FieldNames = ()
     share: ShareOf | None = None
+    details: DetailsOf | None = None
 
     def expected_share(self, parameters: Mapping[str, Any]) -> float | None:
         """The share of the whole area that a part of low value has; None where nothing is said.
@@ -173,6 +181,7 @@ def objective(
     least: int | None = None,
     fields: Sequence[str] | FieldNames = (),
     share: ShareOf | None = None,
+    details: DetailsOf | None = None,
 ) -> Callable[[Callable[..., float]], FunctionObjective]:
     """Turn a function of parts into an objective.
 
@@ -191,6 +200,9 @@ def objective(
         Where the objective knows which share of the whole area its parts should have: a function
         from the parameters that a call gives to that share, above 0 and at most 1, or to None.
         Searches place their seeds by it.
+    details : callable, optional
+        Where the value comes from several quantities: a function that is called like the objective
+        and returns a :class:`moseg_core.Detail` for each. Users see the costliest of each part.
 
     Returns
     -------
@@ -203,7 +215,7 @@ def objective(
         The first argument's annotation is none of Part, Sequence[Part] and Segmentation.
     ValueError
         A range whose ends are in the wrong order; an unknown requirement, invariance or cost; a
-        share that is no function.
+        share or details that are no function.
 
     Examples
     --------
@@ -226,8 +238,12 @@ def objective(
     if share is not None and not callable(share):
         raise ValueError(f"an objective's share is a function of its parameters, not {share!r}")
 
+    if details is not None and not callable(details):
+        raise ValueError(f"an objective's details are told by a function, not {details!r}")
+
     def decorate(function: Callable[..., float]) -> FunctionObjective:
         arity, count = _read_signature(function)
+        spread = arity == "nary" and count is not None
         traits = Traits(
             arity=arity,
             range=(float(range[0]), float(range[1])),
@@ -238,12 +254,18 @@ def objective(
             most=count,
             fields=fields if callable(fields) else tuple(fields),
             share=share,
+            details=_spreading(details) if spread and details is not None else details,
         )
-        made = FunctionObjective(function, traits, spread=arity == "nary" and count is not None)
+        made = FunctionObjective(function, traits, spread=spread)
         _ = made.parameters  # so that a parameter of an odd type shows here, not on first use
         return made
 
     return decorate
+
+
+def _spreading(details: DetailsOf) -> DetailsOf:
+    """The same for parts in one sequence, of a function that takes them as arguments."""
+    return lambda parts, **parameters: details(*parts, **parameters)
 
 
 def _read_signature(function: Callable[..., float]) -> tuple[Arity, int | None]:

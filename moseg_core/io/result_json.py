@@ -13,8 +13,10 @@ from typing import Any
 import numpy as np
 
 from moseg_core.components.cost import Cost
+from moseg_core.components.detail import Detail
 from moseg_core.components.protocols import Centers
 from moseg_core.errors import UsageError, unknown
+from moseg_core.language import parse_target
 from moseg_core.problem.aggregate import CallValue, Evaluation, TermValue
 from moseg_core.problem.hierarchy import Hierarchy
 from moseg_core.problem.problem import Problem
@@ -120,6 +122,7 @@ def _from_document(document: dict[str, Any]) -> SavedResult:
                 CallValue(
                     labels=tuple(call["labels"]),
                     value=None if call["value"] is None else float(call["value"]),
+                    details=tuple(_read_detail(detail) for detail in call.get("details", [])),
                 )
                 for call in term["calls"]
             ),
@@ -257,13 +260,33 @@ def evaluation_document(evaluation: Evaluation) -> dict[str, Any]:
                 "value": term.value,
                 "weighted": term.weighted,
                 "worst": term.worst if math.isfinite(term.worst) else None,
-                "calls": [
-                    {"labels": list(call.labels), "value": call.value} for call in term.calls
-                ],
+                "calls": [_call_document(call) for call in term.calls],
             }
             for term in evaluation.terms
         ],
     }
+
+
+def _call_document(call: CallValue) -> dict[str, Any]:
+    """A call as plain data; without details where the objective tells none."""
+    details = [
+        {
+            "name": detail.name,
+            "value": detail.value,
+            "cost": detail.cost,
+            "expected": None if detail.expected is None else str(detail.expected),
+            "percent": detail.percent,
+        }
+        for detail in call.details
+    ]
+    said = {"labels": list(call.labels), "value": call.value}
+    return {**said, "details": details} if details else said
+
+
+def _read_detail(document: Mapping[str, Any]) -> Detail:
+    """The detail that :func:`_call_document` wrote."""
+    expected = document["expected"]
+    return Detail(**{**document, "expected": None if expected is None else parse_target(expected)})
 
 
 def _dump(value: Any) -> str:

@@ -14,6 +14,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from moseg_core.components.cost import Cost
+from moseg_core.components.detail import Detail
 from moseg_core.components.discovery.registry import describe
 from moseg_core.components.segmentation import Segmentation
 from moseg_core.errors import REPORT, PluginError, UsageError
@@ -34,10 +35,13 @@ class CallValue:
         The parts' labels; empty for a global objective.
     value : float or None
         None where the term is left out because one of the parts is empty.
+    details : tuple of Detail
+        What the value comes from, where the objective tells.
     """
 
     labels: tuple[str, ...]
     value: float | None
+    details: tuple[Detail, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -104,6 +108,21 @@ class Evaluation:
     empty: tuple[str, ...] = ()
     broken_pins: int = 0
 
+    @property
+    def disagreements(self) -> dict[tuple[str, ...], Detail]:
+        """For each part, or group of parts, that a term looks at the detail that costs most.
+
+        By labels, in the order of the terms; without those of which no detail costs anything.
+        """
+        most: dict[tuple[str, ...], tuple[float, Detail]] = {}
+        for term in self.terms:
+            for call in term.calls:
+                for detail in call.details:
+                    cost = term.weight * detail.cost
+                    if cost > most.get(call.labels, (0.0,))[0]:
+                        most[call.labels] = cost, detail
+        return {labels: detail for labels, (_, detail) in most.items()}
+
 
 def evaluate_segmentation(
     terms: Sequence[BoundTerm],
@@ -111,6 +130,7 @@ def evaluate_segmentation(
     segmentation: Segmentation,
     *,
     broken_pins: int = 0,
+    detailed: bool = False,
 ) -> Evaluation:
     """Evaluate every term.
 
@@ -122,6 +142,8 @@ def evaluate_segmentation(
     segmentation : Segmentation
     broken_pins : int
         To be counted with the empty parts.
+    detailed : bool
+        Whether objectives are to tell what their values come from.
     """
     empty = empty_parts(terms, segmentation)
     values: Values = [
@@ -134,7 +156,13 @@ def evaluate_segmentation(
             objective=term.id,
             weight=term.weight,
             calls=tuple(
-                CallValue(labels=tuple(labels[k] for k in call), value=value)
+                CallValue(
+                    labels=tuple(labels[k] for k in call),
+                    value=value,
+                    details=call_details(term, call, segmentation)
+                    if detailed and value is not None
+                    else (),
+                )
                 for call, value in zip(term.calls, row, strict=True)
             ),
             worst=term.objective.traits.range[1 if term.weight > 0 else 0],
@@ -190,11 +218,7 @@ def call_value(
     key = (term.memo_key, members, *segmentation.level.key)
 
     def compute() -> float:
-        subject: object = segmentation
-        if term.objective.traits.arity == "unary":
-            subject = segmentation.part(call[0])
-        elif term.objective.traits.arity == "nary":
-            subject = tuple(segmentation.part(k) for k in call)
+        subject = _subject(term, call, segmentation)
         where = f"'{term.term.call}'" + (
             f" for {', '.join(labels[k] for k in call)}" if call else ""
         )
@@ -212,6 +236,41 @@ def call_value(
 
     value: float = segmentation.memo.get(key, compute)
     return value
+
+
+def _subject(term: BoundTerm, call: tuple[int, ...], segmentation: Segmentation) -> object:
+    """What the objective of a term receives: a part, several, or the segmentation."""
+    if term.objective.traits.arity == "unary":
+        return segmentation.part(call[0])
+    if term.objective.traits.arity == "nary":
+        return tuple(segmentation.part(k) for k in call)
+    return segmentation
+
+
+def call_details(
+    term: BoundTerm, call: tuple[int, ...], segmentation: Segmentation
+) -> tuple[Detail, ...]:
+    """What the value of one call comes from; nothing where the objective does not tell.
+
+    Raises
+    ------
+    PluginError
+        The objective fails to tell.
+    """
+    told = term.objective.traits.details
+    if told is None:
+        return ()
+    subject = _subject(term, call, segmentation.view(term.space))
+    who = f"objective '{term.id}' of {term.distribution}"
+    try:
+        found = tuple(told(subject, **term.parameters))
+    except Exception as error:  # a stranger's objective may raise anything
+        raise PluginError(
+            f"{who} failed to say what its value comes from: {describe(error)}; {REPORT}"
+        ) from error
+    if not all(isinstance(detail, Detail) for detail in found):
+        raise PluginError(f"{who} must give its details as Detail, not {found!r:.60}; {REPORT}")
+    return found
 
 
 def _in_range(value: float, term: BoundTerm, where: str) -> float:

@@ -372,7 +372,7 @@ class Problem:
         segmentation = Segmentation.from_labels(
             shape, labels, len(self.labels), memo=memo, lookup=Lookup(self.registry)
         )
-        return evaluate_segmentation(self.terms, self.labels, segmentation)
+        return evaluate_segmentation(self.terms, self.labels, segmentation, detailed=True)
 
 
 def _as_objective(name: str, given: Objective | Callable[..., float]) -> Objective:

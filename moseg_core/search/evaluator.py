@@ -107,17 +107,21 @@ class ProblemEvaluator:
 
     def evaluate(self, vector: FloatArray) -> Evaluation:
         """Cost by term and part of one vector."""
-        evaluation = self.evaluate_labels(self.labels(vector))
+        evaluation = self._evaluated(self.labels(vector), detailed=False)
         self._keep(evaluation.cost, vector)
         return evaluation
 
     def evaluate_labels(self, labels: Int32Array) -> Evaluation:
-        """Cost by term and part of one labelling."""
+        """Cost by term and part of one labelling, with what objectives tell of their values."""
+        return self._evaluated(labels, detailed=True)
+
+    def _evaluated(self, labels: Int32Array, *, detailed: bool) -> Evaluation:
         return evaluate_segmentation(
             self.problem.terms,
             self.problem.labels,
             self.segmentation(labels),
             broken_pins=self.pins.broken(labels),
+            detailed=detailed,
         )
 
     def costs(self, batch: Batch) -> list[Cost]:

@@ -16,9 +16,17 @@ from textwrap import dedent
 
 import pytest
 
-from moseg_core.cli.console import console, message, progress_reporter, terms_table
+from moseg_core.cli.console import (
+    console,
+    disagreement_lines,
+    message,
+    progress_reporter,
+    terms_table,
+)
 from moseg_core.components.cost import Cost
+from moseg_core.components.detail import Detail
 from moseg_core.components.protocols import Progress
+from moseg_core.language import Target
 from moseg_core.problem.aggregate import CallValue, Evaluation, TermValue
 
 #: ``moseg`` with a record of the threads that were alive at every fork, the main one left out.
@@ -119,6 +127,46 @@ def test_each_call_is_a_row_with_its_share():
 def test_shares_of_nothing_are_not_shown():
     rows = printed(Evaluation(cost=Cost(0, 0.0), terms=(term("f(a)", 1.0, (("a",), 1e-9)),)))
     assert rows[1] == ["f", "a", "0.000000", "1", "0.000000"]
+
+
+def test_what_disagrees_most_in_each_part_is_named_beneath():
+    def told(name, cost):
+        return Detail(name=name, value=0.09, cost=cost, expected=Target(0.04, 0.01), percent=True)
+
+    def calls(*told_of):
+        return tuple(CallValue(labels=(a,), value=1.0, details=d) for a, d in told_of)
+
+    wide = (told("area", 2.0), told("width", 3.0))
+    terms = (
+        TermValue(
+            text="is(leg*)",
+            objective="acme:is",
+            weight=1.0,
+            calls=calls(("leg1", (told("area", 0.0),)), ("leg2", wide)),
+            worst=1.0,
+        ),
+        TermValue(
+            text="looks(leg*)",
+            objective="acme:looks",
+            weight=4.0,
+            calls=calls(("leg2", (told("thickness", 1.0),))),
+            worst=1.0,
+        ),
+        TermValue(
+            text="-looks",
+            objective="acme:looks",
+            weight=-1.0,
+            calls=(CallValue(labels=(), value=1.0, details=(told("area", 5.0),)),),
+            worst=1.0,
+        ),
+    )
+    found = Evaluation(cost=Cost(0, 1.0), terms=terms)
+    assert disagreement_lines(found) == [
+        "",
+        "what disagrees most in each part:",
+        "leg2: thickness 9 %, typical 4 ± 1",
+    ]
+    assert disagreement_lines(Evaluation(cost=Cost(0, 1.0), terms=terms[2:])) == []
 
 
 def test_lines_stay_whole_where_nobody_looks():

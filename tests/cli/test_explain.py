@@ -19,6 +19,35 @@ def test_explain_a_result_equals_what_the_run_said(moseg, segmented):
         assert word in table.out
 
 
+def test_what_disagrees_most_is_named_of_a_result_and_of_a_labelling(moseg, mallet, tmp_path):
+    recipe, out = tmp_path / "mine.toml", tmp_path / "mine.json"
+    recipe.write_text(
+        'labels = ["handle", "head"]\n'
+        'minimize = "is(handle, given=handle) + is(head, area=0.01+-0.001) + narrow(handle)"\n'
+        "[given.handle]\n"
+        'area = "0.99+-0.001"\n'
+        'offcenter = "0.25+-5"\n'
+    )
+    made = moseg("segment", mallet, "--recipe", recipe, "--restarts", 1, "-o", out)
+    assert made.code == 0, made.err
+    told = moseg("explain", out)
+    again = moseg("explain", mallet, "--recipe", recipe, "--parts", out)
+    lines = told.out[told.out.index("what disagrees most in each part:") :].splitlines()
+    assert lines == again.out[again.out.index("what disagrees") :].splitlines()
+    assert "\n".join(lines) in made.out
+    assert [line.split(" %, ")[1] for line in lines[1:]] == [
+        "typical 99.0 ± 0.1",
+        "typical 1.0 ± 0.1",
+    ]
+    assert [line.rpartition(" %, ")[0].split()[:2] for line in lines[1:]] == [
+        ["handle:", "area"],
+        ["head:", "area"],
+    ]
+    calls = json.loads(moseg("explain", out, "--json").out)["terms"][0]["calls"]
+    assert [detail["name"] for detail in calls[0]["details"]] == ["area", "offcenter"]
+    assert [detail["expected"] for detail in calls[0]["details"]] == ["0.99+-0.001", "0.25+-5"]
+
+
 def test_explain_a_labelling_made_by_hand(moseg, mallet, segmented, tmp_path):
     kept = json.loads(segmented.read_text())
     seg = tmp_path / "mine.seg"

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from moseg_core.components.detail import Detail
 from moseg_core.components.protocols import Centers
 from moseg_core.errors import UsageError
 from moseg_core.io.result_json import FORMAT, evaluation_document, read_result, write_json
+from moseg_core.language import Target
 from tests.results import result_on
 
 
@@ -49,6 +52,20 @@ def test_several_centres_of_a_part_are_read_back(box, tmp_path):
     np.testing.assert_array_equal(saved.positions, centers.positions)
     assert saved.weights.tolist() == [1.0, 2.0, 0.5]
     assert saved.parts.tolist() == [0, 1, 1]
+
+
+def test_details_are_read_back(box, tmp_path):
+    details = (
+        Detail(name="width", value=0.1, cost=0.3, expected=Target(1 / 3, 0.02), percent=True),
+        Detail(name="pieces", value=2, cost=1),
+    )
+    result = result_on(box)
+    (term,) = result.evaluation.terms
+    calls = tuple(replace(call, details=details) for call in term.calls)
+    told = replace(result.evaluation, terms=(replace(term, calls=calls),))
+    path = tmp_path / "x.json"
+    path.write_bytes(write_json(replace(result, evaluation=told)))
+    assert read_result(path).evaluation == told
 
 
 def test_each_entry_is_one_line(written):

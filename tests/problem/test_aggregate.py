@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from moseg_core.components.cost import Cost
+from moseg_core.components.detail import Detail
 from moseg_core.components.memo import Memo
 from moseg_core.components.objectives import objective
 from moseg_core.components.part import Part
@@ -77,6 +78,66 @@ def test_each_arity_receives_its_parts_and_the_weighted_values_add_up():
     assert found.terms[3].calls == (CallValue(labels=("p0", "p1", "p2"), value=2.0),)
     assert found.terms[4].calls[0].labels == ()
     assert found.terms[0].objective == "python:area"
+
+
+def told(part, *, power=1.0):
+    return [Detail(name="area", value=part.area, cost=part.area**power)]
+
+
+def told_of_both(first, second):
+    return [Detail(name=f"{k}", value=k, cost=k) for k in range(2)]
+
+
+def test_details_are_told_with_the_calls_own_parameters_where_they_are_asked_for():
+    objectives = {
+        "area": objective(details=told)(area._function),
+        "more": objective(details=told_of_both)(more._function),
+        "pieces": pieces,
+    }
+    text = "2*area(p*, power=2) + more(p0, p1) + pieces"
+    labels = np.array([0, 0, 0, 1, 1, 1, 1, 1])
+    problem = Problem(["p0", "p1"], text, objectives=objectives)
+    found = problem.evaluate(STRIP, labels)
+    assert [[len(call.details) for call in term.calls] for term in found.terms] == [
+        [1, 1],
+        [2],
+        [0],
+    ]
+    assert found.terms[0].calls[0].details == (Detail(name="area", value=3.0, cost=9.0),)
+    assert {labels: str(detail) for labels, detail in found.disagreements.items()} == {
+        ("p0",): "area 3",
+        ("p1",): "area 5",
+        ("p0", "p1"): "1 1",
+    }
+    plain = evaluate(text, labels, 2, objectives)
+    assert plain.cost == found.cost
+    assert plain.disagreements == {}
+
+
+def failing(part, *, power=1.0):
+    raise ZeroDivisionError("no area")
+
+
+@pytest.mark.parametrize(
+    ("details", "says"),
+    [
+        (failing, "failed to say what its value comes from: ZeroDivisionError: no area"),
+        (
+            lambda part: [("area", 1.0)],
+            r"must give its details as Detail, not \(\('area', 1\.0\),\)",
+        ),
+        (
+            lambda part: [Detail(name="area", value=math.nan, cost=1)],
+            "the value of detail 'area' must be finite, not nan",
+        ),
+    ],
+)
+def test_an_objective_that_fails_to_tell_is_named(details, says):
+    own = {"area": objective(details=details)(area._function)}
+    with pytest.raises(
+        PluginError, match=f"objective 'python:area' of the calling program.*{says}"
+    ):
+        Problem(["p0"], "area(p0)", objectives=own).evaluate(STRIP, [0] * 8)
 
 
 @given(st.integers(0, 2**32), st.lists(st.floats(-9, 9).filter(bool), min_size=1, max_size=5))

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from moseg_core.components.cost import Cost
+from moseg_core.components.detail import Detail
 from moseg_core.components.discovery.lookup import Lookup
 from moseg_core.components.discovery.registry import describe
 from moseg_core.components.memo import Memo
@@ -253,6 +254,34 @@ def _expects_a_share(subject: Subject) -> None:
                 fix="return None where the parameters, those that a call gives and no defaults, do"
                 " not tell",
             ) from error
+
+
+@check("objective-tells-details", kinds=["objective"])
+def _tells_details(subject: Subject) -> None:
+    """What a value comes from is told of every result, so a failure there would cost the result."""
+    target: Objective = subject.load()
+    details = target.traits.details
+    if details is None:
+        raise Skip("it does not tell what its value comes from")
+
+    def told_by(parts: Any, **given: Any) -> Any:
+        return tuple(details(parts, **given))
+
+    segmentation = segmented(subject, lump(), slicings(lump())[SLICED[0]])
+    for given in (call for call in _calls_allowed(subject) if call):
+        for title, parts in calls_on(target, segmentation).items():
+            if isinstance(attempt(target, parts, **given), Raised):
+                continue  # nobody asks for details where there is no value
+            told = attempt(told_by, parts, **given)
+            if isinstance(told, Raised) or not all(isinstance(each, Detail) for each in told):
+                said = format_call("", parameters=given.items())
+                raise ContractFailure(
+                    did=f"it was asked what its value for {title} comes from, given {said}",
+                    got=repr(told),
+                    expected="a sequence of moseg_core.Detail",
+                    fix="call it as the objective is called, with parameters as the user gives them"
+                    " and defaults for the rest",
+                )
 
 
 def _calls_allowed(subject: Subject) -> list[dict[str, Any]]:

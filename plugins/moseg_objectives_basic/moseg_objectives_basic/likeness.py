@@ -13,10 +13,10 @@ and spread of each measure.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from typing import Annotated, Any, TypeAlias
 
-from moseg_core import Interval, Part, Target, objective
+from moseg_core import Detail, Interval, Part, Target, objective
 
 _THICKNESS, _REMOTENESS, _CONCAVITY = "basic:thickness", "basic:remoteness", "basic:concavity"
 
@@ -33,6 +33,12 @@ _READ = {
     "crease": _CONCAVITY,
 }
 """The fields that measures are taken from."""
+
+BY_RATIO = frozenset({"area", "length", "width", "depth", "spread", "thickness", "boundary"})
+"""Measures of which ratios count: half as much is as far away as twice as much."""
+
+_IN_PERCENT = frozenset({"area", "length", "width", "depth", "offcenter", "thickness"})
+"""Measures that are shares, or ratios to the size of the shape."""
 
 _Ratio: TypeAlias = Annotated[Target | None, Interval(1e-6)]
 
@@ -61,11 +67,95 @@ def expected_share(given: Mapping[str, Any]) -> float | None:
     return None if area is None else area.value
 
 
+def disagreements(part: Part, **given: Target | None) -> list[Detail]:
+    """What :func:`is_` compares of a part, what it expects there, and what each costs.
+
+    The costs add up to the value of :func:`is_`.
+
+    Examples
+    --------
+    >>> from moseg_core import Problem, Shape
+    >>> strip = Shape.from_mesh([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [5, 0, 0], [5, 1, 0]],
+    ...                         [[0, 1, 2, 3], [1, 4, 5, 2]])
+    >>> problem = Problem(["a", "b"], "is(a, area=0.1+-0.1, boundary=1+-1)")
+    >>> print(problem.evaluate(strip, [0, 1]).terms[0].calls[0].details[0])
+    area 20 %, typical 10 ± 10
+    """
+    asked = {name: target for name, target in given.items() if target is not None}
+    values = measured(part, asked)
+    return [
+        Detail(
+            name=name,
+            value=values[name],
+            cost=cost / len(asked),
+            expected=asked[name],
+            percent=name in _IN_PERCENT,
+        )
+        for name, cost in zip(asked, _costs(asked, values), strict=True)
+    ]
+
+
+def _costs(asked: Mapping[str, Target], values: Mapping[str, float]) -> list[float]:
+    """How far each value is off its target."""
+    return [
+        target.ratio_cost(values[name]) if name in BY_RATIO else target.cost(values[name])
+        for name, target in asked.items()
+    ]
+
+
+def measured(part: Part, names: Container[str]) -> dict[str, float]:
+    """The measures of a part, by name: at least those that are asked for.
+
+    Parameters
+    ----------
+    part : Part
+    names : collection of str
+        Of the parameters of :func:`is_`, which say what they are.
+
+    Examples
+    --------
+    >>> from moseg_core import Segmentation, Shape
+    >>> strip = Shape.from_mesh([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [5, 0, 0], [5, 1, 0]],
+    ...                         [[0, 1, 2, 3], [1, 4, 5, 2]])
+    >>> measured(Segmentation.from_labels(strip, [0, 1], 2).parts[0], ["area"])
+    {'area': 0.2}
+    """
+    found: dict[str, float] = {}
+    shape, own = part.shape, part.area
+    # A length, for the part to be compared with itself.
+    size = math.cbrt(own) if shape.solid else math.sqrt(own)
+    if "area" in names:
+        found["area"] = own / shape.area
+    if "length" in names or "width" in names or "depth" in names or "spread" in names:
+        s1, s2, s3 = part.scales.tolist()
+        unit = _EXTENT / shape.box_diagonal
+        found["length"], found["width"], found["depth"] = s1 * unit, s2 * unit, s3 * unit
+        found["spread"] = math.hypot(s1, s2, s3) / size
+    if "offcenter" in names:
+        away = math.dist(part.centroid.tolist(), shape.centroid.tolist())
+        found["offcenter"] = away / shape.box_diagonal
+    if "thickness" in names or "unevenness" in names:
+        thickness = part.field(_THICKNESS)
+        found["thickness"] = thickness.mean
+        found["unevenness"] = thickness.spread / thickness.mean
+    if "remoteness" in names or "nearest" in names or "farthest" in names:
+        remoteness = part.field(_REMOTENESS)
+        found["remoteness"] = remoteness.mean
+        found["nearest"], found["farthest"] = remoteness.least, remoteness.greatest
+    if "boundary" in names or "crease" in names:
+        edge = part.boundary
+        found["boundary"] = edge.length / (size**2 if shape.solid else size)
+        if "crease" in names:
+            found["crease"] = edge.mean(_CONCAVITY) if edge.length > 0 else 0.0
+    return found
+
+
 @objective(
     range=(0, math.inf),
     invariant_to=("rigid", "scale", "reflection", "order"),
     fields=fields_of,
     share=expected_share,
+    details=disagreements,
 )
 def is_(
     part: Part,
@@ -135,44 +225,21 @@ def is_(
     >>> [round(term.value, 9) for term in problem.evaluate(strip, [0, 1]).terms]
     [1.0, 0.5]
     """
-    off: list[float] = []
-    shape, own = part.shape, part.area
-    # A length, for the part to be compared with itself.
-    size = math.cbrt(own) if shape.solid else math.sqrt(own)
-    if area:
-        off.append(area.ratio_cost(own / shape.area))
-    if length or width or depth or spread:
-        s1, s2, s3 = part.scales.tolist()
-        unit = _EXTENT / shape.box_diagonal
-        if length:
-            off.append(length.ratio_cost(s1 * unit))
-        if width:
-            off.append(width.ratio_cost(s2 * unit))
-        if depth:
-            off.append(depth.ratio_cost(s3 * unit))
-        if spread:
-            off.append(spread.ratio_cost(math.hypot(s1, s2, s3) / size))
-    if offcenter:
-        away = math.dist(part.centroid.tolist(), shape.centroid.tolist())
-        off.append(offcenter.cost(away / shape.box_diagonal))
-    if thickness or unevenness:
-        found = part.field(_THICKNESS)
-        if thickness:
-            off.append(thickness.ratio_cost(found.mean))
-        if unevenness:
-            off.append(unevenness.cost(found.spread / found.mean))
-    if remoteness or nearest or farthest:
-        found = part.field(_REMOTENESS)
-        if remoteness:
-            off.append(remoteness.cost(found.mean))
-        if nearest:
-            off.append(nearest.cost(found.least))
-        if farthest:
-            off.append(farthest.cost(found.greatest))
-    if boundary or crease:
-        edge = part.boundary
-        if boundary:
-            off.append(boundary.ratio_cost(edge.length / (size**2 if shape.solid else size)))
-        if crease:
-            off.append(crease.cost(edge.mean(_CONCAVITY) if edge.length > 0 else 0.0))
+    given = {
+        "area": area,
+        "length": length,
+        "width": width,
+        "depth": depth,
+        "spread": spread,
+        "offcenter": offcenter,
+        "thickness": thickness,
+        "unevenness": unevenness,
+        "remoteness": remoteness,
+        "nearest": nearest,
+        "farthest": farthest,
+        "boundary": boundary,
+        "crease": crease,
+    }
+    asked = {name: target for name, target in given.items() if target is not None}
+    off = _costs(asked, measured(part, asked))
     return math.fsum(off) / len(off) if off else 0.0

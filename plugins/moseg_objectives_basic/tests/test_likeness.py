@@ -9,11 +9,12 @@ import pytest
 import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from moseg_objectives_basic.likeness import expected_share, fields_of, is_
+from moseg_objectives_basic.likeness import BY_RATIO, expected_share, fields_of, is_
 
 from moseg_core import ExpressionError, Problem, Segmentation, Shape, Target, coarsen, field_values
 
 RATIOS = {"area", "length", "width", "depth", "spread", "thickness", "boundary"}
+IN_PERCENT = {"area", "length", "width", "depth", "offcenter", "thickness"}
 MEASURES = [parameter.name for parameter in is_.parameters]
 
 
@@ -90,6 +91,29 @@ def test_the_mean_over_what_is_given(lump, names, seed):
     targets = {name: Target(rng.uniform(0.1, 1), rng.uniform(0.1, 1)) for name in names}
     alone = [is_(part, **{name: target}) for name, target in targets.items()]
     assert is_(part, **targets) == pytest.approx(np.mean(alone))
+
+
+@given(st.sets(st.sampled_from(MEASURES), min_size=1), st.integers(0, 2**32))
+@settings(max_examples=20, deadline=None)
+def test_its_details_add_up_to_it(lump, names, seed):
+    shape, coarse, rough = lump
+    rng = np.random.default_rng(seed)
+    targets = {name: Target(rng.uniform(0.1, 1), rng.uniform(0.1, 1)) for name in names}
+    text = ", ".join(f"{name}={target}" for name, target in targets.items())
+    problem = Problem(["rest", "end"], f"2*is(end, {text})")
+    labels = rough[coarse.members]
+    (term,) = problem.evaluate(shape, labels).terms
+    (call,) = term.calls
+    assert math.fsum(detail.cost for detail in call.details) == pytest.approx(call.value)
+    assert {detail.name: detail.expected for detail in call.details} == targets
+    assert {detail.name for detail in call.details if detail.percent} == names & IN_PERCENT
+    expected = measured(shape, labels, 1)
+    for detail in call.details:
+        assert detail.value == pytest.approx(expected[detail.name], rel=1e-5, abs=1e-9)
+
+
+def test_what_counts_by_ratio():
+    assert BY_RATIO == RATIOS
 
 
 def test_nothing_given_says_nothing(lump):

@@ -24,6 +24,7 @@ _NAMES = {
     "objective-declares-its-fields": "reads_in_secret",
     "objective-keeps-shapes-apart": "goes_by_the_name",
     "objective-expects-a-share": "expects_whatever_is_said",
+    "objective-tells-details": "tells_tales",
     "objective-memo-equals-fresh": "looks_into_the_memo",
     "objective-batch-equals-loop": "gets_tired",
 }
@@ -130,6 +131,12 @@ def goes_by_the_name(part: Part) -> float:
 def expects_whatever_is_said(part: Part, *, share: Annotated[float, Interval(0, 1)] = 0.5) -> float:
     """With a share of 0 no part is content."""
     return abs(part.area / part.shape.area - share)
+
+
+@objective(range=(0, 1), details=lambda part: [("area", part.area)])
+def tells_tales(part: Part, *, most: Annotated[float, Interval(0, 1)] = 1.0) -> float:
+    """What it tells is no Detail, and is not asked with its parameters."""
+    return min(most, part.area / part.shape.area)
 
 
 @objective(range=(0, 1))
