@@ -13,7 +13,7 @@ from moseg_core.components.explanation import (
 )
 from moseg_core.components.parameters import Interval, Parameter
 from moseg_core.errors import PluginError
-from moseg_core.language import Target
+from moseg_core.language import Table, Target
 
 DOCSTRING = """Small where it is long:
     in one line or two.
@@ -68,6 +68,16 @@ def test_docstrings_are_taken_apart():
         (Parameter(name="p", type=str, default="auto"), "text", "auto"),
         (Parameter(name="p", type=bool, default=False), "0 or 1", "0"),
         (Parameter(name="p", type=int, optional=True), "whole number, or none", "none"),
+        (
+            Parameter(name="p", type=Table, required=True),
+            "a table of the recipe, by its name",
+            "must be given",
+        ),
+        (
+            Parameter(name="p", type=Table, default=Table(), optional=True),
+            "a table of the recipe, by its name, or none",
+            "a table of the component's own",
+        ),
         (
             Parameter(name="p", type=Target, default=Target(6, 2)),
             "a target such as 0.06+-0.02",

@@ -11,6 +11,7 @@ from moseg_core.components.discovery.lookup import FoundField
 from moseg_core.components.field import field_sums, field_values, link_values
 from moseg_core.components.segmentation import Segmentation
 from moseg_core.errors import MosegError, PluginError, ShapeError
+from moseg_core.language import Table
 from moseg_core.shape.coarse import coarsen
 from moseg_core.shape.shape import Shape
 from tests import shapes
@@ -49,6 +50,27 @@ def test_a_field_is_computed_once_per_shape_and_parameters():
     assert heights.calls == [(shape.n_elements, 1.0), (shape.n_elements, 2.0)]
     field_values(capsule(), "height", lookup=heights)
     assert len(heights.calls) == 3
+
+
+def test_a_field_may_take_a_table_which_may_be_any_mapping():
+    asked = []
+
+    def scaled(shape, *, among):
+        asked.append(among)
+        return among["legs"]["factor"] * shape.points[:, 2]
+
+    shape, heights = capsule(), Heights(scaled)
+    tables = [{"legs": {"factor": 2.0}}, Table({"legs": {"factor": 2.0}})]
+    for among in tables:
+        values = field_values(shape, "height", lookup=heights, among=among)
+        assert values == pytest.approx(2 * shape.points[:, 2])
+    assert asked == [tables[1]]
+    tripled = field_values(shape, "height", lookup=heights, among={"legs": {"factor": 3.0}})
+    assert tripled == pytest.approx(3 * shape.points[:, 2])
+    part = Segmentation.from_labels(shape, np.zeros(shape.n_elements, int), 1, lookup=heights)
+    summary = part.parts[0].field("height", among=tables[1])
+    assert summary.greatest == pytest.approx(2 * shape.points[:, 2].max())
+    assert len(asked) == 2
 
 
 def test_versions_of_a_shape_have_the_values_of_the_original():
