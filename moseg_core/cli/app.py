@@ -228,6 +228,10 @@ def field(
     /,
     *,
     reading: ShapeFlags = _SHAPE_AS_READ,
+    recipe: Annotated[
+        str | None,
+        Parameter(help="Whose tables the field's parameters name: a recipe's name or .toml file."),
+    ] = None,
     out: Annotated[
         list[Path] | None,
         Parameter(
@@ -249,6 +253,8 @@ def field(
 
     moseg field horse.off "basic:thickness(rays=24)" -o values.npy
 
+    moseg field dog.off "mine:likelihood(among=looks)" --recipe dog.toml -o likely.png
+
     Parameters
     ----------
     shape
@@ -260,7 +266,7 @@ def field(
     """
     from moseg_core.cli.field import run_field
 
-    run_field(shape, name, reading=reading, outputs=out or [], as_json=json)
+    run_field(shape, name, recipe=recipe, reading=reading, outputs=out or [], as_json=json)
 
 
 @app.command

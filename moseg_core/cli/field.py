@@ -20,13 +20,20 @@ from moseg_core.errors import UsageError, unknown
 from moseg_core.io import write_file
 from moseg_core.io.files import check_destination
 from moseg_core.io.write.field_files import encode_field
+from moseg_core.problem.recipe import load_recipe
 from moseg_core.view.field_picture import render_field
 
 FORMATS = (".png", ".ply", ".npy", ".csv")
 
 
 def run_field(
-    source: Path, call: str, *, reading: ShapeFlags, outputs: Sequence[Path], as_json: bool
+    source: Path,
+    call: str,
+    *,
+    recipe: str | None,
+    reading: ShapeFlags,
+    outputs: Sequence[Path],
+    as_json: bool,
 ) -> None:
     """Compute a field, print its mean and extremes, write what is asked for."""
     for path in outputs:
@@ -36,13 +43,15 @@ def run_field(
         check_destination(path)
         if path.exists() and source.exists() and path.samefile(source):
             raise UsageError(f"'{path}' is the shape itself; write the field to another file")
-    chosen = prepare(Choice.read(call, "field"), "field", registry())
+    choice = Choice.read(call, "field")
+    tables = None if recipe is None else load_recipe(recipe).statement.given
+    chosen = prepare(choice, "field", registry(), tables=tables)
     name, parameters = chosen.component.id, chosen.parameters
     shape = read_shape(source, reading)
     values = field_values(shape, name, **parameters)
     whole = Segmentation.from_labels(shape, np.zeros(shape.n_elements, np.int32), 1)
     summary = whole.parts[0].field(name, **parameters)
-    title = str(Choice(name, parameters))
+    title = str(Choice(name, choice.parameters))  # tables by their names
     for path in outputs:
         format = path.suffix.lower()
         if format == ".png":

@@ -20,7 +20,8 @@ from moseg_core.components.parameters import (
     declared_parameters,
 )
 from moseg_core.errors import REPORT, PluginError, UsageError, unknown
-from moseg_core.language import parse_call
+from moseg_core.language import Table, parse_call
+from moseg_core.language.table import named_table
 from moseg_core.language.terms import format_call
 
 OCCASIONS = ("default", "coarse", "polish")
@@ -127,13 +128,23 @@ class PreparedComponent:
         return self.component.guard(what)
 
 
-def prepare(choice: Choice, kind: Kind, registry: Registry) -> PreparedComponent:
+def prepare(
+    choice: Choice, kind: Kind, registry: Registry, *, tables: Table | None = None
+) -> PreparedComponent:
     """Find a component, load it and check its parameters.
+
+    Parameters
+    ----------
+    choice : Choice
+    kind : str
+    registry : Registry
+    tables : Table, optional
+        Of a recipe: their names stand for them where the component declares a table.
 
     Raises
     ------
     UsageError
-        Unknown component or parameter, with the nearest name; a value out of range.
+        Unknown component, table or parameter, with the nearest name; a value out of range.
     PluginError
         The component's bundle is broken, or its presets or its spec speak of parameters that
         it does not have.
@@ -164,7 +175,13 @@ def prepare(choice: Choice, kind: Kind, registry: Registry) -> PreparedComponent
                 f"{component.who} is said to name labels in '{name}', and has no such parameter;"
                 f" {REPORT}"
             )
-    parameters = check_parameters(declared, choice.parameters, f"{kind} '{choice.name}'")
+    given = dict(choice.parameters)
+    if tables is not None:
+        for parameter in declared:
+            named = given.get(parameter.name)
+            if parameter.type is Table and isinstance(named, str):
+                given[parameter.name] = named_table(tables, named)
+    parameters = check_parameters(declared, given, f"{kind} '{choice.name}'")
     return PreparedComponent(
         component=component,
         factory=target,

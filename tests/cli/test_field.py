@@ -19,15 +19,19 @@ BUNDLE = """
     def moseg_fields():
         return [
             FieldSpec(name="altitude", target="given_fields:altitude", summary="how high"),
+            FieldSpec(name="tilted", target="given_fields:tilted"),
             FieldSpec(name="girth", target="given_fields:girth", requires=("volume",)),
         ]
 """
 FIELDS = """
     from typing import Annotated
-    from moseg_core import Interval
+    from moseg_core import Interval, Table
 
     def altitude(shape, *, factor: Annotated[float, Interval(0, 9)] = 1.0):
         return factor * shape.points[:, 2]
+
+    def tilted(shape, *, toward: Table):
+        return shape.points @ [toward["x"], 0.0, toward["more"]["z"]]
 
     def girth(shape):
         return shape.areas / shape.volume
@@ -56,6 +60,23 @@ def test_prints_the_mean_and_the_extremes(moseg, fields, mallet):
     table = moseg("field", mallet, "given:altitude").out.split()
     assert table[:2] == ["given:altitude:", str(shape.n_elements)]
     assert f"{shape.points[:, 2].max():.6g}" in table
+
+
+def test_a_table_is_that_of_a_recipe(moseg, fields, mallet, tmp_path):
+    recipe = tmp_path / "mine.toml"
+    recipe.write_text(
+        'labels = ["a"]\nminimize = "narrow(a)"\n[given.way]\nx = 2.0\n[given.way.more]\nz = -1\n'
+    )
+    run = moseg("field", mallet, "tilted(toward=way)", "--recipe", recipe, "--json")
+    assert run.code == 0, run.err
+    told = json.loads(run.out)
+    values = moseg_core.load(mallet).points @ [2.0, 0.0, -1.0]
+    assert told["greatest"] == pytest.approx(values.max())
+    assert told["field"] == "given:tilted(toward=way)"
+    run = moseg("field", mallet, "tilted(toward=wya)", "--recipe", recipe)
+    assert (run.code, "unknown table 'wya'; did you mean 'way'?" in run.err) == (2, True)
+    run = moseg("field", mallet, "tilted(toward=way)")
+    assert (run.code, "parameter 'toward' must be a table, not 'way'" in run.err) == (2, True)
 
 
 def test_writes_what_is_asked_for(moseg, fields, mallet, tmp_path):
