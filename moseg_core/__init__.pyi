@@ -21,6 +21,7 @@ from moseg_core.components.discovery.specs import FieldSpec as FieldSpec
 from moseg_core.components.discovery.specs import Invariance as Invariance
 from moseg_core.components.discovery.specs import Kind as Kind
 from moseg_core.components.discovery.specs import LabelerSpec as LabelerSpec
+from moseg_core.components.discovery.specs import LearnerSpec as LearnerSpec
 from moseg_core.components.discovery.specs import MeasureSpec as MeasureSpec
 from moseg_core.components.discovery.specs import ObjectiveSpec as ObjectiveSpec
 from moseg_core.components.discovery.specs import OptimizerSpec as OptimizerSpec
@@ -74,6 +75,8 @@ from moseg_core.problem.aggregate import CallValue as CallValue
 from moseg_core.problem.aggregate import Evaluation as Evaluation
 from moseg_core.problem.aggregate import TermValue as TermValue
 from moseg_core.problem.hierarchy import Hierarchy as Hierarchy
+from moseg_core.problem.learning import Example as Example
+from moseg_core.problem.learning import learn as learn
 from moseg_core.problem.problem import Problem as Problem
 from moseg_core.problem.recipe import Recipe as Recipe
 from moseg_core.problem.recipe import load_recipe as load_recipe

@@ -36,6 +36,7 @@ KINDS: dict[Kind, str] = {
     "refiner": "Refiners",
     "constraint": "Constraints",
     "embedding": "Embeddings",
+    "learner": "Learners",
 }
 
 INTRODUCTION = """\

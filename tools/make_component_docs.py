@@ -27,7 +27,7 @@ from moseg_core.components.objectives import Traits
 
 ROOT = Path(__file__).parents[1]
 PAGE = ROOT / "docs" / "components.md"
-BUNDLES = ("core", "basic", "symmetry", "mds", "benchmark")
+BUNDLES = ("core", "basic", "symmetry", "mds", "benchmark", "learn")
 
 #: Kinds in the order of the page, with what they are called there.
 KINDS: dict[Kind, str] = {
@@ -43,6 +43,7 @@ KINDS: dict[Kind, str] = {
     "field": "Fields",
     "reader": "Readers",
     "writer": "Writers",
+    "learner": "Learners",
     "recipe": "Recipes",
     "command": "Commands",
 }

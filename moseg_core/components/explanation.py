@@ -34,6 +34,7 @@ _WITH_PARAMETERS = (
     "refiner",
     "constraint",
     "embedding",
+    "learner",
 )
 
 

@@ -11,6 +11,10 @@
     resolution = 2000                       # optional; or "full"
     restarts = 4                            # optional, as is finalists
 
+What was learned from examples (:mod:`moseg_core.problem.learning`) says from which::
+
+    learned_from = ["cat.off: body, head, 4 leg", "dog.off: body, head, 4 leg, tail"]
+
 A shape that is known to be symmetric, or that is to be unfolded, adds (Sec. 8 and 9)::
 
     constraints = ["on_plane(head, body)", "mirror(leg2, leg1)"]
@@ -60,7 +64,7 @@ from moseg_core.errors import REPORT, PluginError, UsageError, unknown
 from moseg_core.problem.full_names import meant_by_bundle, statement_in_full
 from moseg_core.problem.hierarchy import Hierarchy, expand_parts
 from moseg_core.problem.problem import Problem
-from moseg_core.problem.statement import KEYS, Statement, check_label_names, joined
+from moseg_core.problem.statement import KEYS, Statement, check_label_names, joined, read_texts
 
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]+\Z", re.ASCII)
 
@@ -75,6 +79,8 @@ class Recipe:
     statement : Statement
         Labels, expression, and whatever else is asked for, also of parts.
     description : str
+    learned_from : tuple of str
+        What each example was that it was learned from, in words; empty where a person wrote it.
 
     Examples
     --------
@@ -85,6 +91,10 @@ class Recipe:
     name: str
     statement: Statement
     description: str = ""
+    learned_from: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "learned_from", tuple(self.learned_from))
 
     @property
     def labels(self) -> tuple[str, ...]:
@@ -136,7 +146,8 @@ class Recipe:
         labels = ["a", "b"]
         minimize = "narrow(a)"
         """
-        described = {"description": self.description} if self.description else {}
+        said = {"description": self.description, "learned_from": list(self.learned_from)}
+        described = {key: value for key, value in said.items() if value}
         lines = _toml_lines({**described, **self.statement.document()}, "")
         return "\n".join(lines) + "\n"
 
@@ -261,11 +272,12 @@ def _parse(text: str, name: str, library: _Library) -> Recipe:
 
 def _read(table: Mapping[str, Any], name: str, library: _Library) -> Recipe:
     for key in table:
-        if key not in (allowed := ("description", "parts", *KEYS)):
+        if key not in (allowed := ("description", "learned_from", "parts", *KEYS)):
             raise UsageError(f"recipe '{name}': {unknown('key', key, allowed)}")
     description = _required({"description": ""} | dict(table), "description", name)
     nested = table.get("parts", {})
     try:
+        learned_from = read_texts(table, "learned_from") if "learned_from" in table else ()
         statement = Statement.read({key: table[key] for key in KEYS if key in table})
         check_label_names(statement.labels, may_be_open=True)
         if not isinstance(nested, dict):
@@ -284,7 +296,12 @@ def _read(table: Mapping[str, Any], name: str, library: _Library) -> Recipe:
                 f" ({', '.join(part.labels)}), which only the recipe of the whole may; list them"
             )
     parts = tuple(expand_parts(read, statement.labels).items())
-    return Recipe(name=name, statement=replace(statement, parts=parts), description=description)
+    return Recipe(
+        name=name,
+        statement=replace(statement, parts=parts),
+        description=description,
+        learned_from=learned_from,
+    )
 
 
 def _read_part(table: object, name: str, library: _Library) -> Recipe:

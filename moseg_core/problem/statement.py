@@ -118,10 +118,10 @@ class Statement:
         for key in table:
             if key not in (*KEYS, "parts"):
                 raise UsageError(unknown("key", key, (*KEYS, "parts")))
-        constraints = _texts(table, "constraints") if "constraints" in table else ()
+        constraints = read_texts(table, "constraints") if "constraints" in table else ()
         embedding = table.get("embedding")
         return cls(
-            labels=_texts(table, "labels"),
+            labels=read_texts(table, "labels"),
             minimize=_text(table, "minimize"),
             constraints=constraints,
             plane=_text(table, "plane") if "plane" in table else None,
@@ -290,7 +290,19 @@ def _text(table: Mapping[str, Any], key: str) -> str:
     return text
 
 
-def _texts(table: Mapping[str, Any], key: str) -> tuple[str, ...]:
+def read_texts(table: Mapping[str, Any], key: str) -> tuple[str, ...]:
+    """The list of texts that stands under a key.
+
+    Raises
+    ------
+    UsageError
+        There is no such key, or something else stands there.
+
+    Examples
+    --------
+    >>> read_texts({"labels": ["a", "b"]}, "labels")
+    ('a', 'b')
+    """
     given = table.get(key)
     if not isinstance(given, list | tuple):
         raise UsageError(f"'{key}' must be a list of texts; it is {_found(table, key)}")

@@ -33,6 +33,7 @@ _MODULES = (
     "refiners",
     "constraints",
     "embeddings",
+    "learners",
 )
 
 

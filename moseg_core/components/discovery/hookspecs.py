@@ -24,6 +24,7 @@ from moseg_core.components.discovery.specs import (
     FieldSpec,
     Kind,
     LabelerSpec,
+    LearnerSpec,
     MeasureSpec,
     ObjectiveSpec,
     OptimizerSpec,
@@ -50,6 +51,7 @@ HOOKS: dict[str, tuple[Kind, type[Spec]]] = {
     "moseg_refiners": ("refiner", RefinerSpec),
     "moseg_constraints": ("constraint", ConstraintSpec),
     "moseg_embeddings": ("embedding", EmbeddingSpec),
+    "moseg_learners": ("learner", LearnerSpec),
     "moseg_recipes": ("recipe", RecipeSpec),
     "moseg_readers": ("reader", ReaderSpec),
     "moseg_writers": ("writer", WriterSpec),
@@ -106,6 +108,11 @@ def moseg_constraints() -> Sequence[ConstraintSpec]:  # type: ignore[empty-body]
 @hookspec
 def moseg_embeddings() -> Sequence[EmbeddingSpec]:  # type: ignore[empty-body]  # a declaration
     """Deformations of a shape in which the partition is found."""
+
+
+@hookspec
+def moseg_learners() -> Sequence[LearnerSpec]:  # type: ignore[empty-body]  # a declaration
+    """Ways to learn a recipe from labelled examples."""
 
 
 @hookspec

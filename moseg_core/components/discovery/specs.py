@@ -26,6 +26,7 @@ Kind = Literal[
     "refiner",
     "constraint",
     "embedding",
+    "learner",
     "recipe",
     "reader",
     "writer",
@@ -212,6 +213,15 @@ class EmbeddingSpec(Spec):
     """A deformation of shapes: target makes an ``Embedding``."""
 
     kind = "embedding"
+
+
+class LearnerSpec(Spec):
+    """A way to learn recipes: target is a function of examples that returns a Recipe.
+
+    Examples are a sequence of :class:`moseg_core.Example`; keyword-only arguments are parameters.
+    """
+
+    kind = "learner"
 
 
 class CommandSpec(Spec):

@@ -43,6 +43,7 @@ _CALLED: dict[Kind, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "refiner": ((), ()),
     "constraint": (("shape", "labels"), ()),
     "embedding": ((), ()),
+    "learner": (("examples",), ()),
     "reader": (("path",), ()),
     "writer": (("result",), ()),
 }

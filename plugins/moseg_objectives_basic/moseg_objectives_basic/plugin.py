@@ -191,6 +191,11 @@ def moseg_measures() -> list[MeasureSpec]:
     """What the objectives share, and others may."""
     return [
         MeasureSpec(
+            name="likeness",
+            target=f"{_PACKAGE}.profile:likeness",
+            summary="all that 'is' compares: area, length, thickness, remoteness, ...",
+        ),
+        MeasureSpec(
             name="hull_volume",
             target=f"{_PACKAGE}.convexity:hull_volume",
             summary="volume of the part's convex hull",
