@@ -1,0 +1,82 @@
+"""Label sets: how many parts of each kind the examples have, as a recipe says it.
+
+Where all have as many, the recipe lists its labels: ``body``, ``leg1`` to ``leg4``. Where members
+differ, labels bear counts, ``leg{2..5}`` and ``tail{0..1}``, and what was seen is listed as the
+recipe's variants.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from moseg_learn.names import labels_of, stem
+
+
+@dataclass(frozen=True, kw_only=True)
+class LabelSets:
+    """The labels of a recipe.
+
+    Parameters
+    ----------
+    labels : dict of str to tuple of str
+        By kind, kinds in alphabetical order: as many as an example has at most.
+    stated : tuple of str
+        The same as a recipe's ``labels``, with counts where they differ.
+    variants : tuple of tuple of str
+        The label sets that were seen, the commonest first; empty where there is one.
+    """
+
+    labels: dict[str, tuple[str, ...]]
+    stated: tuple[str, ...]
+    variants: tuple[tuple[str, ...], ...]
+
+
+def label_sets_of(counts: Sequence[dict[str, int]]) -> LabelSets:
+    """The labels for shapes with so many parts of each kind.
+
+    Parameters
+    ----------
+    counts : sequence of dict of str to int
+        For each example the number of parts by kind.
+
+    Examples
+    --------
+    >>> found = label_sets_of([{"body": 1, "leg": 4}, {"body": 1, "leg": 2, "tail": 1}])
+    >>> found.stated
+    ('body', 'leg{2..4}', 'tail{0..1}')
+    >>> found.variants
+    (('body', 'leg{2}', 'tail'), ('body', 'leg{4}'))
+    >>> label_sets_of([{"body": 1, "leg": 2}]).stated
+    ('body', 'leg1', 'leg2')
+    """
+    kinds = sorted(set().union(*counts))
+    numbers = {kind: [count.get(kind, 0) for count in counts] for kind in kinds}
+    labels = {kind: labels_of(kind, max(numbers[kind])) for kind in kinds}
+    seen = [tuple(count.get(kind, 0) for kind in kinds) for count in counts]
+    if len(set(seen)) == 1:
+        stated = tuple(label for kind in kinds for label in labels[kind])
+        return LabelSets(labels=labels, stated=stated, variants=())
+    ordered = sorted(set(seen), key=lambda variant: (-seen.count(variant), variant))
+    return LabelSets(
+        labels=labels,
+        stated=tuple(_ranged(kind, min(numbers[kind]), max(numbers[kind])) for kind in kinds),
+        variants=tuple(
+            tuple(
+                _counted(kind, n, len(labels[kind]))
+                for kind, n in zip(kinds, variant, strict=True)
+                if n
+            )
+            for variant in ordered
+        ),
+    )
+
+
+def _ranged(kind: str, least: int, most: int) -> str:
+    if most == 1:
+        return kind if least == 1 else f"{kind}{{0..1}}"
+    return f"{stem(kind)}{{{most}}}" if least == most else f"{stem(kind)}{{{least}..{most}}}"
+
+
+def _counted(kind: str, n: int, most: int) -> str:
+    return kind if most == 1 else f"{stem(kind)}{{{n}}}"

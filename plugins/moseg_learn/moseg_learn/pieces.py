@@ -1,0 +1,171 @@
+"""The parts of an example: connected pieces of what bears one name.
+
+A person labels kinds: all four legs are ``leg``. A recipe cuts parts, and so each connected piece
+of the elements of one name is a part of its own. What was numbered by hand, ``leg1`` beside
+``leg2``, stays apart though it may touch. Where it is not known which elements touch, each name is
+one part.
+
+Labels that are drawn or cut leave scraps: a few faces of a leg on the other side of a crease. A
+piece of less than 0.2 % of the area is given to the piece with which it has the longest
+boundary, unless it is the largest of its name.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from moseg_core import Example, Segmentation, Shape, UsageError, coarsen
+from moseg_learn.names import kind_of
+
+SCRAP = 0.002
+"""A piece of less than this share of the area is no part."""
+
+IntArray = npt.NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Pieces:
+    """A shape cut into parts, each of a kind.
+
+    Parameters
+    ----------
+    shape : Shape
+        The example's, or a coarse version of it.
+    labels : (F of `shape`,) int
+        Number of the part of each element, from 0.
+    kinds : tuple of str
+        Of each part; larger parts of a kind come first.
+    """
+
+    shape: Shape
+    labels: IntArray
+    kinds: tuple[str, ...]
+
+    @property
+    def segmentation(self) -> Segmentation:
+        """The same as a segmentation, for its parts to be measured."""
+        return Segmentation.from_labels(self.shape, self.labels, len(self.kinds))
+
+    def counts(self) -> dict[str, int]:
+        """How many parts there are of each kind, kinds in alphabetical order."""
+        return {kind: self.kinds.count(kind) for kind in sorted(set(self.kinds))}
+
+    def described(self) -> str:
+        """The parts in words, after the name of the shape.
+
+        Examples
+        --------
+        >>> tile = Shape.from_mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]],
+        ...                        [[0, 1, 2], [1, 3, 2]], name="tile")
+        >>> pieces_of(Example(tile, [0, 1], ["side1", "side2"])).described()
+        'tile: 2 side'
+        """
+        words = [f"{n} {kind}" if n > 1 else kind for kind, n in self.counts().items()]
+        return f"{self.shape.input.name}: {', '.join(words)}"
+
+    def at(self, resolution: int) -> Pieces:
+        """The same on super-elements, each of the part that has most of its area.
+
+        Parameters
+        ----------
+        resolution : int
+            How many super-elements; 0 for the elements as they are. A shape of few elements, or one
+            on which a part would have none, stays as it is.
+        """
+        if not resolution or self.shape.n_elements <= 1.5 * resolution:
+            return self
+        level = coarsen(self.shape, resolution)
+        assert level.members is not None  # a coarse shape has them
+        n = len(self.kinds)
+        code = np.asarray(level.members) * n + self.labels
+        areas = np.bincount(code, self.shape.areas, level.n_elements * n)
+        labels = areas.reshape(-1, n).argmax(axis=1)
+        if len(np.unique(labels)) < n:
+            return self
+        return Pieces(shape=level, labels=labels, kinds=self.kinds)
+
+
+def pieces_of(example: Example, *, numbers: str = "alike", scrap: float = SCRAP) -> Pieces:
+    """Cut an example into parts.
+
+    Parameters
+    ----------
+    example : Example
+    numbers : {"alike", "different"}
+        Whether names that differ in their numbers name one kind.
+    scrap : float
+        Share of the area below which a piece is no part.
+
+    Raises
+    ------
+    UsageError
+        There is one part only.
+    """
+    shape = example.shape
+    piece, names = _connected(example)
+    areas = np.bincount(piece, shape.areas, len(names))
+    largest = {int(names[k]): int(k) for k in np.lexsort((-np.arange(len(areas)), areas))}
+    small = areas < scrap * shape.area
+    small[list(largest.values())] = False
+    piece = _without(small, piece, shape)
+    kept = np.unique(piece)
+    kinds = [kind_of(example.names[names[k]], numbers=numbers) for k in kept.tolist()]
+    areas = np.bincount(piece, shape.areas, len(names))[kept]
+    if len(kept) < 2:
+        raise UsageError(
+            f"'{shape.name}' is one part, {kinds[0]}; an example shows where parts meet, so label"
+            f" two or more"
+        )
+    order = sorted(range(len(kept)), key=lambda k: (kinds[k], -areas[k], k))
+    number = np.empty(int(kept.max()) + 1, np.int64)
+    number[kept[order]] = np.arange(len(order))
+    return Pieces(shape=shape, labels=number[piece], kinds=tuple(kinds[k] for k in order))
+
+
+def _connected(example: Example) -> tuple[IntArray, IntArray]:
+    """(F,) number of the connected piece of each element, and the label of each piece."""
+    shape, labels = example.shape, example.labels
+    piece, names = np.empty(len(labels), np.int64), list[int]()
+    for label in np.unique(labels).tolist():
+        elements = np.flatnonzero(labels == label)
+        if shape.adjacency is None:
+            count, own = 1, np.zeros(len(elements), np.int64)
+        else:
+            count, own = shape.adjacency.components(elements)
+        piece[elements] = own + len(names)
+        names += [label] * count
+    return piece, np.array(names, np.int64)
+
+
+def _without(small: npt.NDArray[np.bool_], piece: IntArray, shape: Shape) -> IntArray:
+    """The pieces with the small ones given away, each to the one that it has most boundary with.
+
+    A small piece that touches nothing, as a speck of a scan does, goes to the nearest element's.
+    """
+    if not small.any():
+        return piece
+    piece, n = piece.copy(), len(small)
+    links = shape.links
+    while True:
+        one, other = piece[links.first], piece[links.second]
+        ends = np.concatenate([np.stack([one, other], 1), np.stack([other, one], 1)])
+        lengths = np.tile(links.lengths, 2)
+        wanted = small[ends[:, 0]] & ~small[ends[:, 1]]
+        if not wanted.any():
+            break
+        code, at = np.unique(ends[wanted] @ [n, 1], return_inverse=True)
+        shared = np.bincount(at, lengths[wanted])
+        goes = np.arange(n)
+        for k in np.argsort(shared, kind="stable").tolist():  # the longest boundary comes last
+            goes[code[k] // n] = code[k] % n
+        piece = goes[piece]
+    left = small[piece]
+    if left.any():
+        from scipy.spatial import cKDTree
+
+        nearest = cKDTree(shape.points[~left]).query(shape.points[left])[1]
+        piece[left] = piece[~left][nearest]
+    return piece
