@@ -1,6 +1,6 @@
 """Labels from files, and to the simplest of them: one per surface element, maybe with names.
 
-Six kinds of file carry a labelling of the elements of a shape:
+Seven kinds of file carry a labelling of the elements of a shape:
 
 ======  ==========================================================================
 suffix  contents
@@ -11,6 +11,7 @@ suffix  contents
 .json   a result of moseg: ``labels``, and ``problem.labels`` with the names
 .ply    the property ``label`` of the faces, or of the points where there are none;
         names in comments; see :mod:`moseg_core.io.read.ply`
+.glb    the triangles of named nodes; see :mod:`moseg_core.io.read.glb_scene`
 .npz    the arrays ``labels`` and maybe ``names``
 .npy    a grid of labels, -1 where there is no element, or a row of labels
 ======  ==========================================================================
@@ -37,6 +38,7 @@ import numpy.typing as npt
 from moseg_core.errors import UsageError
 from moseg_core.io.files import write_file
 from moseg_core.io.read.checked import file_error, read_file
+from moseg_core.io.read.glb_scene import read_glb_names
 from moseg_core.io.read.grids import read_array
 from moseg_core.io.read.ply import read_ply_label_names, read_ply_labels
 from moseg_core.io.read.text_rows import integers, text_rows, word
@@ -68,7 +70,7 @@ def read_labels(path: str | os.PathLike[str], n_elements: int) -> Labelling:
     Parameters
     ----------
     path : path-like
-        With the suffix ".seg", ".txt", ".json", ".ply", ".npz" or ".npy".
+        With the suffix ".seg", ".txt", ".json", ".ply", ".glb", ".npz" or ".npy".
     n_elements : int
         How many elements the shape has.
 
@@ -242,6 +244,11 @@ def _read_ply(path: Path, n_elements: int) -> Labelling:
     return Labelling(labels=labels, names=names or None)
 
 
+def _read_glb(path: Path, n_elements: int) -> Labelling:
+    labels, names = read_glb_names(path)
+    return Labelling(labels=labels, names=names)
+
+
 def _read_npz(path: Path, n_elements: int) -> Labelling:
     data = read_file(path)
     try:
@@ -278,6 +285,7 @@ _READERS: dict[str, Callable[[Path, int], Labelling]] = {
     ".txt": _read_named,
     ".json": _read_result,
     ".ply": _read_ply,
+    ".glb": _read_glb,
     ".npz": _read_npz,
     ".npy": _read_npy,
 }

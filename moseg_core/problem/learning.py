@@ -122,9 +122,7 @@ def learn(
         raise UsageError("there is nothing to learn from; give at least one example")
     for example in given:
         if not isinstance(example, Example):
-            raise UsageError(
-                f"an example is an Example(shape, labels, names), not {example!r:.60}"
-            )
+            raise UsageError(f"an example is an Example(shape, labels, names), not {example!r:.60}")
     prepared = prepare(
         Choice.read(learner, "learner"), "learner", registry() if source is None else source
     )

@@ -62,7 +62,7 @@ def read_glb(path: Path) -> Shape:
     points: list[FloatArray] = [np.empty((0, 3))]
     corners: list[IntArray] = [np.empty((0, 3), np.int64)]
     n_points = 0
-    for mesh, placement in _placed_meshes(glb):
+    for _, mesh, placement in _placed_meshes(glb):
         for vertices, triangles in _primitives(glb, mesh):
             if np.linalg.det(placement[:3, :3]) < 0:
                 triangles = triangles[:, [0, 2, 1]]
@@ -73,8 +73,41 @@ def read_glb(path: Path) -> Shape:
     return shape_from_polygons(path, np.concatenate(points), flat, np.arange(0, len(flat) + 1, 3))
 
 
-def _placed_meshes(glb: GlbFile) -> Iterator[tuple[Json, FloatArray]]:
-    """The meshes of the scene with their placements, (4, 4) to the scene, in scene order."""
+def read_glb_names(path: Path) -> tuple[IntArray, tuple[str, ...]]:
+    """Which named object of a GLB file each triangle belongs to.
+
+    Parameters
+    ----------
+    path : Path
+
+    Returns
+    -------
+    labels : (F,) int
+        For each triangle, in the order of :func:`read_glb`, the number of its object.
+    names : tuple of str
+        The objects' names, in scene order; nodes of one name are one object. A node without a name
+        is called after its mesh.
+
+    Raises
+    ------
+    ShapeError
+        As for :func:`read_glb`; or an object has no name.
+    """
+    glb = GlbFile.parse(path, read_file(path))
+    numbers: dict[str, int] = {}
+    labels: list[int] = []
+    for node, mesh, _ in _placed_meshes(glb):
+        name = node.get("name") or mesh.get("name")
+        if not isinstance(name, str):
+            raise file_error(path, "has a part without a name; name its nodes")
+        number = numbers.setdefault(name, len(numbers))
+        for _, triangles in _primitives(glb, mesh):
+            labels += [number] * len(triangles)
+    return np.array(labels, np.int64), tuple(numbers)
+
+
+def _placed_meshes(glb: GlbFile) -> Iterator[tuple[Json, Json, FloatArray]]:
+    """Nodes with a mesh, their meshes and placements, (4, 4) to the scene, in scene order."""
     seen: set[object] = set()
     # A stack in place of recursion: chains of nodes may be longer than Python's own stack.
     stack: list[tuple[object, FloatArray]] = [(root, np.eye(4)) for root in reversed(_roots(glb))]
@@ -90,7 +123,7 @@ def _placed_meshes(glb: GlbFile) -> Iterator[tuple[Json, FloatArray]]:
         with np.errstate(over="ignore", invalid="ignore"):
             placement = parent @ _local_placement(glb, node)
         if "mesh" in node:
-            yield glb.item("meshes", node["mesh"]), placement
+            yield node, glb.item("meshes", node["mesh"]), placement
         stack.extend((child, placement) for child in reversed(glb.members(node, "children")))
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from moseg_core import LearnerSpec, hookimpl
+from moseg_core import CommandSpec, LearnerSpec, hookimpl
 
 _PACKAGE = "moseg_learn"
 
@@ -18,5 +18,17 @@ def moseg_learners() -> list[LearnerSpec]:
             name="profiles",
             target=f"{_PACKAGE}.learner:profiles",
             summary="what the parts of the examples measure, typically, and how they touch",
+        )
+    ]
+
+
+@hookimpl
+def moseg_commands() -> list[CommandSpec]:
+    """``moseg learn``."""
+    return [
+        CommandSpec(
+            name="learn",
+            target=f"{_PACKAGE}.command:learn",
+            summary="Make a recipe of labelled examples.",
         )
     ]

@@ -24,7 +24,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import numpy.typing as npt
 
-from moseg_core import ShapeError, Target
+from moseg_core import Target
 from moseg_learn.pieces import Pieces
 
 MEASURE = "basic:likeness"
@@ -91,9 +91,7 @@ def measures_of(pieces: Pieces) -> tuple[tuple[str, ...], FloatArray, frozenset[
     return found[0]._fields, np.array(found, np.float64), frozenset(found[0].by_ratio)
 
 
-def profiles_of(
-    examples: Sequence[Pieces], *, prior: float, floor: float
-) -> dict[str, Profile]:
+def profiles_of(examples: Sequence[Pieces], *, prior: float, floor: float) -> dict[str, Profile]:
     """The profile of each kind.
 
     Parameters

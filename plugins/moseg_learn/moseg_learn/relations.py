@@ -12,8 +12,6 @@ import itertools
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from moseg_learn.pieces import Pieces
 
 SEEN = 2

@@ -1,0 +1,91 @@
+"""Examples from files: ``SHAPE=LABELS``, or a shape that bears its labels itself.
+
+Labels are read in all formats that moseg reads labellings from; a shape bears its own where it is a
+``.ply`` with labels and their names, or a ``.glb`` of named nodes. Files that number labels without
+naming them, ``.seg`` above all, need the names said.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from moseg_core import Example, ShapeError, UsageError, load, read_labels
+
+OWN = (".ply", ".glb")
+"""Suffixes of shapes that may bear labels."""
+
+
+def read_example(
+    word: str, *, names: Sequence[str] | None = None, adjacency: str = "auto"
+) -> Example:
+    """The example that a word of the command line stands for.
+
+    Parameters
+    ----------
+    word : str
+        ``a.off=a_labels.txt``, or ``a.ply``.
+    names : sequence of str, optional
+        What labels are called in files that have numbers only.
+    adjacency : {"auto", "knn", "none"}
+        Which elements touch: see :meth:`moseg_core.Shape.with_adjacency`.
+
+    Raises
+    ------
+    UsageError
+        A file that does not exist, or labels without names.
+    ShapeError
+        A file cannot be read, or the labels do not fit the shape.
+    """
+    path, labels = split_word(word)
+    for file in (path, labels):
+        if not file.exists():
+            raise UsageError(f"example '{word}': there is no file '{file}'")
+    shape = load(path).with_adjacency(adjacency)
+    try:
+        labelling = read_labels(labels, shape.n_elements)
+    except (ShapeError, UsageError) as error:
+        raise type(error)(f"example '{word}': {error}") from error
+    called = labelling.names
+    if called is None:
+        if names is None:
+            raise UsageError(
+                f"example '{word}': '{labels.name}' numbers its labels and does not name them;"
+                f" say what they are called, from 0 on: --names body,leg"
+            )
+        called = tuple(names)
+    if int(labelling.labels.max()) >= len(called):
+        raise UsageError(
+            f"example '{word}': '{labels.name}' has the label {labelling.labels.max()}, but there"
+            f" are {len(called)} names: {', '.join(called)}"
+        )
+    return Example(shape, labelling.labels, called)
+
+
+def split_word(word: str) -> tuple[Path, Path]:
+    """The files of shape and labels of a word; the same where the shape bears its labels.
+
+    Raises
+    ------
+    UsageError
+        No labels are named for a shape of a format that has none.
+
+    Examples
+    --------
+    >>> [path.name for path in split_word("cat.off=cat_labels.txt")]
+    ['cat.off', 'cat_labels.txt']
+    >>> split_word("cat.off")
+    Traceback (most recent call last):
+        ...
+    moseg_core.errors.UsageError: example 'cat.off' has no labels; write cat.off=LABELS
+    """
+    whole = Path(word)
+    # A file may have the sign in its name.
+    if "=" in word and not (whole.suffix.lower() in OWN and whole.exists()):
+        shape, _, labels = word.rpartition("=")
+        if not shape or not labels:
+            raise UsageError(f"example '{word}' is not understood; write SHAPE=LABELS")
+        return Path(shape), Path(labels)
+    if whole.suffix.lower() not in OWN:
+        raise UsageError(f"example '{word}' has no labels; write {word}=LABELS")
+    return whole, whole
