@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from moseg_core import CommandSpec, LearnerSpec, hookimpl
+from moseg_core import CommandSpec, FieldSpec, LearnerSpec, ObjectiveSpec, hookimpl
 
 _PACKAGE = "moseg_learn"
 
@@ -19,6 +19,39 @@ def moseg_learners() -> list[LearnerSpec]:
             target=f"{_PACKAGE}.learner:profiles",
             summary="what the parts of the examples measure, typically, and how they touch",
         )
+    ]
+
+
+@hookimpl
+def moseg_objectives() -> list[ObjectiveSpec]:
+    """What learned recipes ask for beside the objectives of ``basic``."""
+    return [
+        ObjectiveSpec(
+            name="likely",
+            target=f"{_PACKAGE}.likely:likely",
+            summary="one part: looks, place by place, as parts of its kind do",
+        )
+    ]
+
+
+@hookimpl
+def moseg_fields() -> list[FieldSpec]:
+    """What every element is like, and how likely it is to bear a label."""
+    return [
+        FieldSpec(
+            name="surroundings",
+            target=f"{_PACKAGE}.surroundings:surroundings",
+            summary="what lies around: how much, how long, wide, deep, thick and remote",
+            requires=("surface", "adjacency"),
+            invariant_to=("rigid", "scale", "reflection", "order"),
+        ),
+        FieldSpec(
+            name="unlikeliness",
+            target=f"{_PACKAGE}.looks:unlikeliness",
+            summary="how unlikely it is to be of a kind: 0 where certain, 6.9 at most",
+            requires=("surface", "adjacency"),
+            invariant_to=("rigid", "scale", "reflection", "order"),
+        ),
     ]
 
 
