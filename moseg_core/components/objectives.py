@@ -74,7 +74,8 @@ class Traits:
         How many parts an n-ary objective takes.
     fields : tuple of str, or callable
         Ids of the fields that the objective reads, or a function from the parameters that a call
-        gives to those; they are computed before the search.
+        gives to those; they are computed before the search. The function may raise a
+        :class:`~moseg_core.UsageError` of parameters that do not fit.
     share : callable or None
         From the parameters that a call gives, without defaults, to the share of the whole area,
         above 0 and at most 1, that each of its parts has where the value is low; None where they

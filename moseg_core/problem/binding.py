@@ -70,8 +70,10 @@ class BoundTerm:
 
         Raises
         ------
+        UsageError
+            The objective does not accept its parameters.
         PluginError
-            What the objective gives for them is no sequence of texts.
+            What the objective gives for them is no sequence of texts, or it fails.
         """
         names = self.objective.traits.fields
         if not callable(names):
@@ -79,6 +81,8 @@ class BoundTerm:
         who = f"objective '{self.id}' of {self.distribution}"
         try:
             found = names(self.parameters)
+        except UsageError as error:  # it says what is wrong with its parameters
+            raise UsageError(f"in '{self.term.call}': {error}") from error
         except Exception as error:  # a stranger's objective may raise anything
             raise PluginError(
                 f"{who} failed to name its fields: {describe(error)}; {REPORT}"

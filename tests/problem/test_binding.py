@@ -683,3 +683,11 @@ def test_fields_may_depend_on_the_parameters_of_the_call():
 def test_an_objective_that_cannot_name_its_fields_is_blamed(names, says):
     with pytest.raises(PluginError, match=f"objective 'python:read' of .*{says}"):
         _ = term_that_reads(names).fields
+
+
+def test_fields_may_refuse_the_parameters_of_the_call():
+    def named(parameters):
+        raise UsageError("there is no 'thicknes'")
+
+    with pytest.raises(UsageError, match=r"in 'read\(head\)': there is no 'thicknes'"):
+        _ = term_that_reads(named, "read(head)").fields
