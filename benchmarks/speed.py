@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 import moseg_core as moseg
-from moseg_core.builtin.flood import flood_labels
+from moseg_core.builtin.flood import flood_labels, workspace
 from moseg_core.builtin.kmeans import KMeans
 from moseg_core.builtin.voronoi import Voronoi
 from moseg_core.components.discovery.lookup import Lookup
@@ -60,9 +60,10 @@ def flood_table(shape: moseg.Shape) -> None:
             return np.linalg.norm(points[:, None] - centers[None], axis=2) / weights
 
         known = distances()
+        space = workspace(n, len(points))
         flood = median(
-            lambda c=centers, w=weights: flood_labels(
-                points, c, w, graph.indptr, graph.indices, labels
+            lambda c=centers, w=weights, s=space: flood_labels(
+                points, c, w, graph.indptr, graph.indices, labels, *s
             )
         )
         whole = median(lambda distances=distances: distances().argmin(axis=1))

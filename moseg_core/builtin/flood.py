@@ -11,13 +11,14 @@ Three things make the loop fast without changing what comes out:
 - An (element, centre) pair always carries the same priority, so it enters the queue at most once.
 - The queue is an implicit binary heap over two flat arrays: the distance, and one integer that
   holds centre and element.
-- Most elements need no queue. Take a path from the element nearest to a centre, along which the
-  distance to that centre rises strictly and every element is strictly nearer to it than to all
-  others. As long as an element of the path has no label, the queue holds an entry for the first
-  such one, with a priority below all that could take a later one away: so all get this centre.
-  They are found by a plain search, in whatever order. Those of them that touch the rest enter the
-  queue under their own distance, to be opened when they would have been: until then their path's
-  entries stood in the queue below them, so every other entry is popped in the same order.
+- Most elements need no queue. Take a path from the element nearest to a centre, or from any that
+  was just opened with its label, along which the distance to that centre rises strictly and every
+  element is strictly nearer to it than to all others. As long as an element of the path has no
+  label, the queue holds an entry for the first such one, with a priority below all that could take
+  a later one away: so all get this centre. They are found by a plain search, in whatever order.
+  Those of them that touch the rest enter the queue under their own distance, to be opened when
+  they would have been: until then their path's entries stood in the queue below them, so every
+  other entry is popped in the same order.
 
 A part may have several centres, each of which floods. What they reach may lie apart: then
 :func:`flood_parts` keeps the piece with the first of the part's centres that has reached anything,
@@ -26,18 +27,33 @@ one on each component of the graph, and a second flood from all that is kept tak
 
 from __future__ import annotations
 
+from typing import TypeAlias
+
 import numpy as np
 
 from moseg_core.shape.compiled import kernel
 from moseg_core.shape.heap import push, sift
 from moseg_core.types import BoolArray, FloatArray, Int32Array, IntArray
 
+Workspace: TypeAlias = tuple[FloatArray, FloatArray, IntArray]
+
+
+def workspace(n_centers: int, n_elements: int) -> Workspace:
+    """Arrays for a flood to work in: distances, and the two of the queue.
+
+    They are large enough for the system to take back and hand out anew each time, which would take
+    longer than to fill them; so floods one after the other share them.
+    """
+    entries = n_centers * n_elements
+    return np.empty((n_centers, n_elements)), np.empty(entries), np.empty(entries, np.int64)
+
 
 @kernel
-def _distances(points: FloatArray, centers: FloatArray, weights: FloatArray) -> FloatArray:
-    """(n, F) weighted distances ||p - c|| / w, one row per centre."""
+def _fill(
+    points: FloatArray, centers: FloatArray, weights: FloatArray, distance: FloatArray
+) -> None:
+    """Write weighted distances ||p - c|| / w, one row per centre."""
     n, size = centers.shape[0], points.shape[0]
-    distance = np.empty((n, size))
     # Coordinates one after the other, and no division that could fail: then the compiler takes
     # several elements at a time.
     x, y, z = points[:, 0].copy(), points[:, 1].copy(), points[:, 2].copy()
@@ -45,10 +61,10 @@ def _distances(points: FloatArray, centers: FloatArray, weights: FloatArray) -> 
         cx, cy, cz, w = centers[i, 0], centers[i, 1], centers[i, 2], weights[i]
         if w == 0:
             raise ZeroDivisionError("a weight is 0")
+        row = distance[i]
         for f in range(size):
             dx, dy, dz = x[f] - cx, y[f] - cy, z[f] - cz
-            distance[i, f] = np.sqrt(dx * dx + dy * dy + dz * dz) / w
-    return distance
+            row[f] = np.sqrt(dx * dx + dy * dy + dz * dz) / w
 
 
 @kernel
@@ -84,29 +100,47 @@ def _climb(
     indptr: Int32Array,
     indices: Int32Array,
     labels: Int32Array,
-    stack: IntArray,
-) -> None:
-    """Label what rising paths through elements nearest to one centre reach from its start."""
+    climbed: IntArray,
+) -> int:
+    """Label what rising paths through elements nearest to one centre reach from a start.
+
+    `climbed` are the elements, the start first; returned is how many they are.
+    """
     labels[start] = center
-    stack[0] = start
-    top = 1
-    while top > 0:
-        top -= 1
-        f = stack[top]
+    climbed[0] = start
+    count, done = 1, 0
+    while done < count:
+        f = climbed[done]
+        done += 1
         for e in range(indptr[f], indptr[f + 1]):
             g = indices[e]
             if labels[g] < 0 and nearest[g] == center and distance[g] > distance[f]:
                 labels[g] = center
-                stack[top] = g
-                top += 1
+                climbed[count] = g
+                count += 1
+    return count
+
+
+@kernel
+def _is_at_edge(f: int, indptr: Int32Array, indices: Int32Array, labels: Int32Array) -> bool:
+    """Whether a neighbour of an element has no label."""
+    found = False
+    for e in range(indptr[f], indptr[f + 1]):
+        found = found or labels[indices[e]] < 0
+    return found
 
 
 @kernel
 def voronoi_labels(
-    points: FloatArray, centers: FloatArray, weights: FloatArray, labels: Int32Array
+    points: FloatArray,
+    centers: FloatArray,
+    weights: FloatArray,
+    labels: Int32Array,
+    table: FloatArray,
 ) -> None:
     """Nearest weighted centre of each point, written into `labels`; ties to the lower centre."""
-    distance = _distances(points, centers, weights)
+    distance = table[: centers.shape[0]]
+    _fill(points, centers, weights, distance)
     for f in range(points.shape[0]):
         labels[f] = _nearest(distance, f)
 
@@ -114,6 +148,8 @@ def voronoi_labels(
 @kernel
 def _flood(
     distance: FloatArray,
+    nearest: Int32Array,
+    climbed: IntArray,
     queued: BoolArray,
     key: FloatArray,
     code: IntArray,
@@ -143,8 +179,18 @@ def _flood(
             labels[f] = i
         if labels[f] == i:
             for e in range(indptr[f], indptr[f + 1]):
-                g = indices[e]
-                if labels[g] < 0 and not queued[i, g]:
+                start = indices[e]
+                if labels[start] >= 0 or queued[i, start]:
+                    continue
+                found = 1
+                climbed[0] = start
+                climbs = nearest[start] == i and distance[i, start] > distance[i, f]
+                if climbs:
+                    found = _climb(start, i, distance[i], nearest, indptr, indices, labels, climbed)
+                for k in range(found):
+                    g = climbed[k]
+                    if queued[i, g] or (climbs and not _is_at_edge(g, indptr, indices, labels)):
+                        continue
                     queued[i, g] = True
                     if vacant:
                         sift(key, code, count, distance[i, g], i * size + g)
@@ -164,22 +210,26 @@ def _floods(
     indptr: Int32Array,
     indices: Int32Array,
     labels: Int32Array,
-) -> None:
-    """Algorithm 1 from a table of distances; -1 for an element that no flood reaches."""
+) -> Int32Array:
+    """Algorithm 1 from a table of distances; -1 for an element that no flood reaches.
+
+    Returned is the nearest centre of each element, -1 where two are equally near.
+    """
     n, size = distance.shape
     nearest = _strictly_nearest(distance)
     queued = np.zeros((n, size), np.bool_)
     count = 0
     labels[:] = -1
-    stack = np.empty(size, np.int64)
+    climbed = np.empty(size, np.int64)
     for i in range(n):
         f = int(np.argmin(distance[i]))
         if nearest[f] == i:
-            _climb(f, i, distance[i], nearest, indptr, indices, labels, stack)
+            _climb(f, i, distance[i], nearest, indptr, indices, labels, climbed)
         else:
             queued[i, f] = True
             count = push(key, code, count, distance[i, f], i * size + f)
-    _flood(distance, queued, key, code, count, indptr, indices, labels)
+    _flood(distance, nearest, climbed, queued, key, code, count, indptr, indices, labels)
+    return nearest
 
 
 @kernel
@@ -190,6 +240,9 @@ def flood_labels(
     indptr: Int32Array,
     indices: Int32Array,
     labels: Int32Array,
+    table: FloatArray,
+    key: FloatArray,
+    code: IntArray,
 ) -> None:
     """Connected weighted Voronoi partition, written into `labels`.
 
@@ -203,11 +256,13 @@ def flood_labels(
         Adjacency in CSR form.
     labels : (F,) int32, written
         Index of the centre that each element belongs to.
+    table, key, code : (>= n, F), (>= nF,), (>= nF,)
+        From :func:`workspace`; what is in them does not matter.
     """
-    n, size = centers.shape[0], points.shape[0]
-    distance = _distances(points, centers, weights)
-    _floods(distance, np.empty(n * size), np.empty(n * size, np.int64), indptr, indices, labels)
-    for f in range(size):
+    distance = table[: centers.shape[0]]
+    _fill(points, centers, weights, distance)
+    _floods(distance, key, code, indptr, indices, labels)
+    for f in range(points.shape[0]):
         if labels[f] < 0:
             labels[f] = _nearest(distance, f)
 
@@ -259,6 +314,9 @@ def flood_parts(
     indptr: Int32Array,
     indices: Int32Array,
     labels: Int32Array,
+    table: FloatArray,
+    key: FloatArray,
+    code: IntArray,
 ) -> None:
     """Connected partition into parts of one or several centres, written into `labels`.
 
@@ -276,16 +334,19 @@ def flood_parts(
         Adjacency in CSR form.
     labels : (F,) int32, written
         The part that each element belongs to.
+    table, key, code : (>= c, F), (>= cF,), (>= cF,)
+        From :func:`workspace`; what is in them does not matter.
     """
     c, size = centers.shape[0], points.shape[0]
-    distance = _distances(points, centers, weights)
-    key, code = np.empty(c * size), np.empty(c * size, np.int64)
-    _floods(distance, key, code, indptr, indices, labels)
+    distance = table[:c]
+    _fill(points, centers, weights, distance)
+    nearest = _floods(distance, key, code, indptr, indices, labels)
     apart = _lie_apart(parts, component, indptr, indices, labels)
     if apart.any():
         for f in range(size):
             if labels[f] >= 0 and apart[labels[f]]:
                 labels[f] = -1
-        _flood(distance, np.zeros((c, size), np.bool_), key, code, 0, indptr, indices, labels)
+        climbed, queued = np.empty(size, np.int64), np.zeros((c, size), np.bool_)
+        _flood(distance, nearest, climbed, queued, key, code, 0, indptr, indices, labels)
     for f in range(size):
         labels[f] = parts[labels[f] if labels[f] >= 0 else _nearest(distance, f)]

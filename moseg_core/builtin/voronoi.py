@@ -23,7 +23,13 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
-from moseg_core.builtin.flood import flood_labels, flood_parts, voronoi_labels
+from moseg_core.builtin.flood import (
+    Workspace,
+    flood_labels,
+    flood_parts,
+    voronoi_labels,
+    workspace,
+)
 from moseg_core.components.protocols import Centers, centers_of_parts
 from moseg_core.errors import UsageError, unknown
 from moseg_core.search.workers import available_workers
@@ -102,9 +108,13 @@ class Voronoi:
         self._total = int(self._counts.sum())
         self._several = self._total > n_parts
         self._parts = np.repeat(np.arange(n_parts, dtype=np.int32), self._counts)
+        self._spare: list[Workspace] = []
         self._component: IntArray | None = None
         if self._several and self.connected and shape.adjacency is not None:
             self._component = shape.adjacency.components()[1]
+
+    def _workspace(self) -> Workspace:
+        return workspace(self._total, self._shape.n_elements)
 
     @property
     def n_parts(self) -> int:
@@ -140,22 +150,29 @@ class Voronoi:
         adjacency = self._shape.adjacency if self.connected else None
 
         def partition(b: int) -> None:
+            # One of its own for each thread at work; they are kept for the next batch.
+            space = self._spare.pop() if self._spare else self._workspace()
+            write(b, *space)
+            self._spare.append(space)
+
+        def write(b: int, table: FloatArray, key: FloatArray, code: IntArray) -> None:
             row, parts = rows[b], self._parts
             if self._several:
                 needed = self._needed(row)
                 row, parts = row[needed], parts[needed]
             centers, weights = np.ascontiguousarray(row[:, :3]), row[:, 3].copy()
             if adjacency is None:
-                voronoi_labels(points, centers, weights, labels[b])
+                voronoi_labels(points, centers, weights, labels[b], table)
                 if self._several:
                     labels[b] = parts[labels[b]]
                 return
             graph = adjacency.indptr, adjacency.indices
             if len(row) == self._n_parts:
-                flood_labels(points, centers, weights, *graph, labels[b])
+                flood_labels(points, centers, weights, *graph, labels[b], table, key, code)
             else:
                 assert self._component is not None  # parts have several centres
-                flood_parts(points, centers, weights, parts, self._component, *graph, labels[b])
+                own = parts, self._component
+                flood_parts(points, centers, weights, *own, *graph, labels[b], table, key, code)
 
         workers = min(len(rows), available_workers())
         if workers < 2 or labels.size < _WORTH_THREADS:
@@ -204,12 +221,8 @@ class Voronoi:
 
     def _needed(self, row: FloatArray) -> BoolArray:
         """(c,) bool: the centres that are not the same as an earlier one of their part."""
-        needed = np.ones(len(row), np.bool_)
-        for part in np.flatnonzero(self._counts > 1):
-            first, stop = self._starts[part], self._starts[part] + self._counts[part]
-            for k in range(first + 1, stop):
-                needed[k] = not (row[first:k] == row[k]).all(axis=1).any()
-        return needed
+        rows, starts = row.tolist(), np.repeat(self._starts, self._counts).tolist()
+        return np.array([rows[k] not in rows[first:k] for k, first in enumerate(starts)])
 
 
 def parse_counts(text: str, labels: Sequence[str]) -> dict[str, int]:

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from moseg_core.builtin.flood import flood_labels, flood_parts, voronoi_labels
+from moseg_core.builtin.flood import flood_labels, flood_parts, voronoi_labels, workspace
 from moseg_core.shape.adjacency import Adjacency
 from moseg_core.shape.shape import Shape
 from tests import shapes
@@ -34,8 +34,17 @@ MESHES = {
 
 def flood(points, adjacency, centers, weights):
     labels = np.full(len(points), 77, np.int32)
-    flood_labels(points, centers, weights, adjacency.indptr, adjacency.indices, labels)
+    graph = adjacency.indptr, adjacency.indices
+    flood_labels(points, centers, weights, *graph, labels, *used(len(centers), len(points)))
     return labels.tolist()
+
+
+def used(n_centers, n_elements):
+    """A workspace that is larger than need be and holds what another flood has left in it."""
+    arrays = workspace(n_centers + 2, n_elements)
+    for array in arrays:
+        array.fill(-3)
+    return arrays
 
 
 def neighbors(adjacency):
@@ -123,7 +132,7 @@ def test_without_adjacency_each_element_takes_its_nearest_weighted_centre(case, 
     if on_a_grid:
         points, centers = points.round(), centers.round()
     labels = np.full(len(points), 77, np.int32)
-    voronoi_labels(points, centers, weights, labels)
+    voronoi_labels(points, centers, weights, labels, used(len(centers), len(points))[0])
     assert labels.tolist() == voronoi_partition(points.tolist(), centers, weights)
 
 
@@ -219,7 +228,8 @@ def flood_in_parts(points, adjacency, centers, weights, parts):
     labels = np.full(len(points), 77, np.int32)
     graph = adjacency.indptr, adjacency.indices
     component = adjacency.components()[1]
-    flood_parts(points, centers, weights, np.array(parts, np.int32), component, *graph, labels)
+    of_centers, space = np.array(parts, np.int32), used(len(centers), len(points))
+    flood_parts(points, centers, weights, of_centers, component, *graph, labels, *space)
     return labels.tolist()
 
 
