@@ -71,12 +71,18 @@ class Boundaries:
     ----------
     lengths : (n, n) float, model units
         Between each two parts; symmetric, 0 on the diagonal.
+    around : (n,) float, model units
+        Of each part's whole boundary, as ``part.boundary.length``.
     _along : callable
         From a field's name and parameters to its (n, n) integrals along the boundaries.
+    _around : callable
+        The same, to the (n,) integrals along each part's whole boundary.
     """
 
     lengths: FloatArray
+    around: FloatArray
     _along: Callable[..., FloatArray]
+    _around: Callable[..., FloatArray]
 
     @property
     def length(self) -> float:
@@ -99,6 +105,18 @@ class Boundaries:
         """
         with np.errstate(invalid="ignore"):
             found: FloatArray = self._along(name, **parameters) / self.lengths
+        return found
+
+    def means_around(self, name: str, **parameters: Any) -> FloatArray:
+        """(n,) float: the mean of a field along each part's whole boundary; NaN without one.
+
+        Raises
+        ------
+        ShapeError, UsageError, PluginError
+            As for :func:`moseg_core.field_values`.
+        """
+        with np.errstate(invalid="ignore"):
+            found: FloatArray = self._around(name, **parameters) / self.around
         return found
 
     def mean(self, name: str, **parameters: Any) -> float:

@@ -125,24 +125,6 @@ class FieldSums:
     least: FloatArray
     greatest: FloatArray
 
-    def summarize(self, areas: FloatArray, sums: FloatArray) -> FloatArray:
-        """(n, 4) float: mean, spread, least and greatest of parts, from their sums.
-
-        Parameters
-        ----------
-        areas : (n,) float
-        sums : (n, 4) float
-            From :func:`moseg_core.shape.part_sums.summarize_field`.
-        """
-        with np.errstate(invalid="ignore", divide="ignore"):
-            mean = sums[:, 0] / areas
-            variance = sums[:, 1] / areas - mean**2
-        found = np.empty_like(sums)
-        found[:, 0] = self.middle + mean
-        found[:, 1] = np.sqrt(np.maximum(variance, 0.0))
-        found[:, 2:] = sums[:, 2:]
-        return found
-
 
 def field_sums(level: Shape, found: FoundField, parameters: Mapping[str, Any]) -> FieldSums:
     """The sums of a field over the elements of a level, computed once and kept with it."""

@@ -39,13 +39,21 @@ class Memo:
     def __len__(self) -> int:
         return len(self._values)
 
-    def get(self, key: Hashable, compute: Callable[[], Any]) -> Any:
-        """The value under `key`; computed, and kept, where it is not known."""
+    def known(self, key: Hashable) -> Any:
+        """The value under `key`, None where it is not known."""
+        value = self._values.get(key)
+        if value is not None:
+            self.hits += 1
+            self._values.move_to_end(key)
+        return value
+
+    def get(self, key: Hashable, compute: Callable[..., Any], *arguments: Any) -> Any:
+        """The value under `key`; computed from the arguments, and kept, where it is not known."""
         try:
             value = self._values[key]
         except KeyError:
             self.misses += 1
-            value = compute()
+            value = compute(*arguments)
             self._values[key] = value
             if len(self._values) > self.size:
                 self._values.popitem(last=False)

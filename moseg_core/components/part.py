@@ -105,13 +105,8 @@ class Part:
     @property
     def centroid(self) -> FloatArray:
         """(3,) float, model units: the paper's ``P.c``, the area-weighted mean of the surface."""
-        return self._own(self._tables.centroids)
-
-    def _own(self, rows: list[FloatArray | None]) -> FloatArray:
         self._require_area()
-        found = rows[self._index]
-        assert found is not None  # the part has an area
-        return found
+        return self._tables.centroid(self._index)
 
     @property
     def scales(self) -> FloatArray:
@@ -119,7 +114,8 @@ class Part:
 
         Square roots of the eigenvalues of the surface's covariance, exact over each triangle.
         """
-        return self._own(self._tables.scales)
+        self._require_area()
+        return self._tables.scales(self._index)
 
     @property
     def axes(self) -> FloatArray:
@@ -127,7 +123,8 @@ class Part:
 
         The sign of an axis means nothing, nor do axes whose scales coincide.
         """
-        return self._own(self._tables.axes)
+        self._require_area()
+        return self._tables.axes(self._index)
 
     @cached_property
     def elements(self) -> IntArray:
@@ -252,7 +249,7 @@ class Part:
             As for :func:`moseg_core.field_values`.
         """
         self._require_area()
-        return self._tables.field(name, parameters)[self._index]
+        return self._tables.field(name, parameters, self._index)
 
     def field_of_shape(self, name: str, **parameters: Any) -> float:
         """A field's mean over the whole shape by area, with which the part's can be compared.
@@ -294,6 +291,23 @@ class Part:
         """
         tables = pair_of_one_labelling(self._tables, other._tables)
         return tables.between(self._index, other._index)
+
+    def distance_to(self, other: Part) -> float:
+        """The least distance between the middles of elements of two parts, model units.
+
+        Straight, through the air where need be; of parts of a coarse shape between those of
+        super-elements. Infinite where one of the two is empty.
+
+        Raises
+        ------
+        MosegError
+            The other is of another segmentation.
+        """
+        from moseg_core.shape.gaps import least_distance
+
+        pair_of_one_labelling(self._tables, other._tables)
+        points = self.level.points
+        return float(least_distance(points, self._level_labels, self._index, other._index))
 
     def to_mesh(self) -> trimesh.Trimesh:
         """The part's surface as a trimesh object, triangulated, open where it was cut.

@@ -3,11 +3,14 @@
 Of a field or a boundary one pass over the elements or links says what there is to say of all
 parts, for little more than it costs to say it of one. The first part that is asked makes the
 table, the others read their row.
+
+Most parts of a candidate of the search were seen before, and are not made. So fields and principal
+axes are taken of the parts that have been made by the time that one of them is asked for.
 """
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Collection, Hashable
 from functools import cached_property
 from typing import Any
 
@@ -18,7 +21,7 @@ from moseg_core.components.discovery.lookup import Lookup
 from moseg_core.components.field import FieldSummary, field_sums, link_values
 from moseg_core.errors import MosegError
 from moseg_core.shape.shape import Shape
-from moseg_core.types import FloatArray, Int32Array, IntArray, frozen
+from moseg_core.types import FloatArray, Int32Array, frozen
 
 
 class PartTables:
@@ -32,74 +35,99 @@ class PartTables:
         Area, first and second moments of the parts about the shape's centre.
     lookup : Lookup
         Where fields are found.
+    made : collection of int
+        Numbers of the parts that have been made so far; it grows.
     """
 
     def __init__(
-        self, level: Shape, labels: Int32Array, moments: FloatArray, lookup: Lookup
+        self,
+        level: Shape,
+        labels: Int32Array,
+        moments: FloatArray,
+        lookup: Lookup,
+        made: Collection[int],
     ) -> None:
         self._level = level
         self._labels = labels
         self._moments = moments
         self._areas = moments[:, 0]
         self._lookup = lookup
-        self._fields: dict[Hashable, list[FieldSummary]] = {}
+        self._made = made
+        self._fields: dict[Hashable, dict[int, FieldSummary]] = {}
+        self._eigen: dict[int, tuple[FloatArray, FloatArray]] = {}
+        self._axes: dict[int, FloatArray] = {}
         self._along: dict[Hashable, tuple[list[float], FloatArray]] = {}
 
-    def field(self, name: str, parameters: dict[str, Any]) -> list[FieldSummary]:
-        """A field's summary over every part."""
-        asked = (name, *parameters.items())
-        if asked not in self._fields:
+    def field(self, name: str, parameters: dict[str, Any], part: int) -> FieldSummary:
+        """A field's summary over a part."""
+        asked = (name, *parameters.items()) if parameters else name
+        known = self._fields.get(asked)
+        if known is None:
+            known = self._fields[asked] = {}
+        if part not in known:
             from moseg_core.shape.part_sums import summarize_field
 
             sums = field_sums(self._level, self._lookup.field(name), parameters)
-            rows = np.empty((len(self._areas), 4))
+            count = len(self._areas)
+            missing = self._missing(known, part)
+            wanted, rows = np.zeros(count, np.bool_), np.empty((count, 4))
+            wanted[missing] = True
             summarize_field(
-                self._labels, sums.weighted, sums.squared, sums.least, sums.greatest, rows
+                self._labels,
+                wanted,
+                sums.weighted,
+                sums.squared,
+                sums.least,
+                sums.greatest,
+                self._areas,
+                sums.middle,
+                rows,
             )
-            found = sums.summarize(self._areas, rows)
-            self._fields[asked] = [FieldSummary._make(row) for row in found.tolist()]
-        return self._fields[asked]
+            for k, row in zip(missing, rows[missing].tolist(), strict=True):
+                known[k] = FieldSummary._make(row)
+        return known[part]
 
-    @cached_property
-    def _eigen(self) -> tuple[IntArray, FloatArray, FloatArray]:
-        """Numbers of the parts that have an area, and of their covariances (k, 3) and (k, 3, 3)."""
-        some = np.flatnonzero(self._areas > 0)
-        mean = self._moments[some, 1:4] / self._areas[some, None]
-        second = self._moments[some, 4:10] / self._areas[some, None]
-        square = second[:, [0, 1, 2, 1, 3, 4, 2, 4, 5]].reshape(-1, 3, 3)
-        values, vectors = np.linalg.eigh(square - mean[:, :, None] * mean[:, None, :])
-        # What the subtraction leaves of a flat part's thickness is rounding, not thickness.
-        values[values < 1e-14 * (second[:, 0] + second[:, 3] + second[:, 5])[:, None]] = 0.0
-        return some, values, vectors
+    def _missing(self, known: Collection[int], part: int) -> list[int]:
+        """The parts to look at with the one asked for: those made so far, at the second time all.
 
-    @cached_property
-    def centroids(self) -> list[FloatArray | None]:
-        """Of every part the centroid, (3,) in model units; None of one without area."""
-        some = np.flatnonzero(self._areas > 0)
-        means = self._moments[some, 1:4] / self._areas[some, None]
-        return self._by_part(some, means + self._level.input.frame.center)
+        So there are two passes at most, in whatever order parts are made and asked.
+        """
+        if not known:
+            return sorted({part, *self._made})
+        return [k for k in range(len(self._areas)) if k not in known]
 
-    @cached_property
-    def scales(self) -> list[FloatArray | None]:
-        """Of every part the scales, (3,) descending; None of one without area."""
-        some, values, _ = self._eigen
-        return self._by_part(some, np.sqrt(values[:, ::-1]))
+    def _covariance(self, part: int) -> tuple[FloatArray, FloatArray]:
+        """Scales (3,), descending, and (3, 3) eigenvectors of a part's covariance, ascending."""
+        if part not in self._eigen:
+            missing = [k for k in self._missing(self._eigen, part) if self._areas[k] > 0]
+            areas = self._areas[missing, None]
+            mean = self._moments[missing, 1:4] / areas
+            second = self._moments[missing, 4:10] / areas
+            square = second[:, [0, 1, 2, 1, 3, 4, 2, 4, 5]].reshape(-1, 3, 3)
+            values, vectors = np.linalg.eigh(square - mean[:, :, None] * mean[:, None, :])
+            # What the subtraction leaves of a flat part's thickness is rounding, not thickness.
+            values[values < 1e-14 * (second[:, 0] + second[:, 3] + second[:, 5])[:, None]] = 0.0
+            self._eigen.update(
+                zip(missing, zip(np.sqrt(values[:, ::-1]), vectors, strict=True), strict=True)
+            )
+        return self._eigen[part]
 
-    @cached_property
-    def axes(self) -> list[FloatArray | None]:
-        """Of every part the axes, (3, 3), in the order of the scales; None of one without area."""
-        some, _, vectors = self._eigen
-        axes = vectors.transpose(0, 2, 1)[:, ::-1]
-        largest = np.abs(axes).argmax(axis=2)[:, :, None]
-        return self._by_part(some, axes * np.sign(np.take_along_axis(axes, largest, axis=2)))
+    def centroid(self, part: int) -> FloatArray:
+        """(3,) float, model units: the centroid of a part that has an area."""
+        return frozen(self._moments[part, 1:4] / self._areas[part] + self._level.input.frame.center)
 
-    def _by_part(self, some: IntArray, rows: FloatArray) -> list[FloatArray | None]:
-        """Rows of some parts, None for the others."""
-        found: list[FloatArray | None] = [None] * len(self._areas)
-        frozen(rows)
-        for row, part in enumerate(some.tolist()):
-            found[part] = rows[row]
-        return found
+    def scales(self, part: int) -> FloatArray:
+        """(3,) float, descending: the scales of a part that has an area."""
+        return frozen(self._covariance(part)[0])
+
+    def axes(self, part: int) -> FloatArray:
+        """(3, 3) float: the axes of a part that has an area, in the order of the scales."""
+        if part not in self._axes:
+            axes = self._covariance(part)[1].T[::-1]
+            largest = np.abs(axes).argmax(axis=1)[:, None]
+            signs = np.sign(np.take_along_axis(axes, largest, axis=1))
+            self._axes[part] = frozen(axes * signs)
+        return self._axes[part]
 
     def mean_of_all(self, name: str, parameters: dict[str, Any]) -> float:
         """A field's mean over the whole shape."""
@@ -126,7 +154,9 @@ class PartTables:
         """The boundaries between all parts."""
         return Boundaries(
             lengths=self._lengths[1],
+            around=np.array(self._lengths[0]),
             _along=lambda name, **parameters: self._integrals(name, parameters)[1],
+            _around=lambda name, **parameters: np.array(self._integrals(name, parameters)[0]),
         )
 
     @cached_property
@@ -141,12 +171,23 @@ class PartTables:
             self._along[asked] = self._summed(link_values(self._level, found, parameters))
         return self._along[asked]
 
+    @cached_property
+    def _crossings(self) -> tuple[int, Int32Array, Int32Array]:
+        """How many links cross from part to part, their numbers, and the two parts of each."""
+        from moseg_core.shape.boundary_sums import find_crossings
+
+        links = self._level.links
+        size = len(links.first)
+        crossings, sides = np.empty(size, np.int32), np.empty((size, 2), np.int32)
+        count = find_crossings(self._labels, links.first, links.second, crossings, sides)
+        return count, crossings, sides
+
     def _summed(self, values: FloatArray) -> tuple[list[float], FloatArray]:
         from moseg_core.shape.boundary_sums import sum_boundaries
 
-        n, links = len(self._areas), self._level.links
+        n = len(self._areas)
         whole, between = np.empty(n), np.empty((n, n))
-        sum_boundaries(self._labels, links.first, links.second, values, whole, between)
+        sum_boundaries(*self._crossings, values, whole, between)
         return whole.tolist(), frozen(between)
 
 

@@ -73,12 +73,13 @@ class Summary:
 
         Such parts are ranked by the core and never reach an objective.
         """
-        area = self.moments[:, 0]
-        tiny = area <= 1e-14 * shape.frame.scale ** (3 if shape.solid else 2)
-        with np.errstate(invalid="ignore", divide="ignore"):
-            mean = self.moments[:, 1:4] / area[:, None]
-            spread = self.moments[:, [4, 7, 9]].sum(axis=1) / area - (mean**2).sum(axis=1)
-        empty: BoolArray = tiny | ~(spread > 1e-14 * shape.frame.scale**2)
+        from moseg_core.shape.part_sums import find_empty
+
+        scale = shape.frame.scale
+        empty = np.empty(len(self.moments), np.bool_)
+        find_empty(
+            self.moments, 1e-14 * scale ** (3 if shape.solid else 2), 1e-14 * scale**2, empty
+        )
         return empty
 
 
@@ -123,7 +124,7 @@ class Segmentation:
 
     @cached_property
     def _views(self) -> dict[str, Segmentation]:
-        return {self.level.space: self}
+        return {}
 
     def view(self, space: str) -> Segmentation:
         """The same labels on another version of the shape, such as "original" (Sec. 9).
@@ -133,6 +134,8 @@ class Segmentation:
         ShapeError
             The shape is not known in that space.
         """
+        if space == self.level.space:
+            return self
         if space not in self._views:
             level = self.level.in_space(space)
             self._views[space] = replace(
@@ -164,14 +167,26 @@ class Segmentation:
         [0, 1]
         """
         checked = checked_labels(shape, labels, n_parts)
-        array = frozen(np.array(checked, dtype=np.int32, order="C"))
-        return cls(
-            level=shape,
-            level_labels=array,
-            n_parts=n_parts,
-            summary=Summary.of(shape, array, n_parts),
+        return cls.from_checked(
+            shape,
+            frozen(np.array(checked, dtype=np.int32, order="C")),
+            n_parts,
             memo=Memo() if memo is None else memo,
             lookup=Lookup() if lookup is None else lookup,
+        )
+
+    @classmethod
+    def from_checked(
+        cls, shape: Shape, labels: Int32Array, n_parts: int, *, memo: Memo, lookup: Lookup
+    ) -> Segmentation:
+        """From labels that are known to be right, and that nobody writes to any more."""
+        return cls(
+            level=shape,
+            level_labels=labels,
+            n_parts=n_parts,
+            summary=Summary.of(shape, labels, n_parts),
+            memo=memo,
+            lookup=lookup,
         )
 
     def permuted(self, order: IntArray) -> Segmentation:
@@ -193,14 +208,17 @@ class Segmentation:
 
     @cached_property
     def _tables(self) -> PartTables:
-        return PartTables(self.level, self.level_labels, self.summary.moments, self.lookup)
+        return PartTables(
+            self.level, self.level_labels, self.summary.moments, self.lookup, self._made
+        )
 
     def fields(self, name: str, **parameters: Any) -> tuple[FieldSummary, ...]:
         """A field over every part, in label order; NaN for the mean of a part without area.
 
         See :meth:`moseg_core.Part.field`.
         """
-        return tuple(self._tables.field(name, parameters))
+        made = len(self.parts)  # all of them, so that one pass is enough
+        return tuple(self._tables.field(name, parameters, label) for label in range(made))
 
     def field_values(self, name: str, **parameters: Any) -> FloatArray:
         """(F of `level`,) float: a field on the labelled shape; see :func:`field_values`."""
@@ -217,10 +235,15 @@ class Segmentation:
         """
         return self._tables.boundaries
 
+    @property
+    def areas(self) -> FloatArray:
+        """(n,) float, model units squared: area of each part; of a solid's parts their volume."""
+        return frozen(self.summary.moments[:, 0].copy())
+
     @cached_property
     def memberships(self) -> tuple[tuple[int, int], ...]:
         """Of each part the 128-bit hash of its elements' numbers, in label order."""
-        return tuple((first, second) for first, second in self.summary.hashes.tolist())
+        return tuple([(first, second) for first, second in self.summary.hashes.tolist()])
 
     @cached_property
     def _made(self) -> dict[int, Part]:

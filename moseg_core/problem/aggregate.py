@@ -10,7 +10,7 @@ this to leave out what cannot matter.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 
 from moseg_core.components.cost import Cost
@@ -179,7 +179,7 @@ def evaluate_segmentation(
 
 def empty_parts(terms: Sequence[BoundTerm], segmentation: Segmentation) -> list[bool]:
     """Which parts are empty, or have no extent in one of the spaces that terms look at them in."""
-    spaces = dict.fromkeys([segmentation.level.space, *(term.space for term in terms)])
+    spaces = {segmentation.level.space, *[term.space for term in terms]}
     views = [segmentation.view(space) for space in spaces]
     found = [v.summary.empty(v.shape).tolist() for v in views]
     return found[0] if len(found) == 1 else [any(of_one) for of_one in zip(*found, strict=True)]
@@ -189,7 +189,7 @@ def leaves_out(term: BoundTerm, call: tuple[int, ...], empty: Sequence[bool]) ->
     """Whether a call would receive an empty part, and is therefore left out of the sum."""
     if True not in empty:  # as nearly always
         return False
-    concerned = range(len(empty)) if term.objective.traits.arity == "global" else call
+    concerned = range(len(empty)) if term.arity == "global" else call
     return any(empty[k] for k in concerned)
 
 
@@ -211,39 +211,56 @@ def call_value(
     if leaves_out(term, call, empty):
         return None
     segmentation = segmentation.view(term.space)
-    # Parts are made only where a value is not remembered.
-    known = segmentation.memberships
-    of_all = term.objective.traits.arity == "global"
-    members = known if of_all else tuple([known[k] for k in call])
-    key = (term.memo_key, members, *segmentation.level.key)
-
-    def compute() -> float:
-        subject = _subject(term, call, segmentation)
-        where = f"'{term.term.call}'" + (
-            f" for {', '.join(labels[k] for k in call)}" if call else ""
-        )
-        who = f"objective '{term.id}' of {term.distribution}"
-        try:
-            with under_watch(f"{who} in {where}"):
-                value = float(term.objective(subject, **term.parameters))
-        except UsageError as error:  # it says what is wrong with its parameters
-            raise UsageError(f"in {where}: {error}") from error
-        except PluginError as error:  # it names another component, such as a measure
-            raise PluginError(f"in {where}: {error}") from error
-        except Exception as error:  # a stranger's objective may raise anything
-            raise PluginError(f"{who} failed in {where}: {describe(error)}; {REPORT}") from error
-        return _in_range(value, term, where)
-
-    value: float = segmentation.memo.get(key, compute)
+    key = _key(term, call, segmentation)
+    value: float = segmentation.memo.get(key, _computed, term, call, segmentation, labels)
     return value
+
+
+def known_value(term: BoundTerm, call: tuple[int, ...], segmentation: Segmentation) -> float | None:
+    """The value of one call of parts that are not empty, None where it is not remembered."""
+    segmentation = segmentation.view(term.space)
+    value: float | None = segmentation.memo.known(_key(term, call, segmentation))
+    return value
+
+
+def _key(term: BoundTerm, call: tuple[int, ...], segmentation: Segmentation) -> Hashable:
+    """Under which the value of a call is remembered."""
+    known = segmentation.memberships
+    if term.arity == "unary":
+        return (term.memo_key, known[call[0]], segmentation.level.key)
+    members = known if term.arity == "global" else tuple([known[k] for k in call])
+    return (term.memo_key, members, segmentation.level.key)
+
+
+def _computed(
+    term: BoundTerm, call: tuple[int, ...], segmentation: Segmentation, labels: Sequence[str]
+) -> float:
+    """The value of a call; parts are made only here, where it is not remembered."""
+    subject = _subject(term, call, segmentation)
+    who = f"objective '{term.id}' of {term.distribution}"
+    try:
+        with under_watch(f"{who} in {_where(term, call, labels)}"):
+            value = float(term.objective(subject, **term.parameters))
+    except UsageError as error:  # it says what is wrong with its parameters
+        raise UsageError(f"in {_where(term, call, labels)}: {error}") from error
+    except PluginError as error:  # it names another component, such as a measure
+        raise PluginError(f"in {_where(term, call, labels)}: {error}") from error
+    except Exception as error:  # a stranger's objective may raise anything
+        raise PluginError(
+            f"{who} failed in {_where(term, call, labels)}: {describe(error)}; {REPORT}"
+        ) from error
+    low, high = term.objective.traits.range
+    if math.isfinite(value) and low <= value <= high:
+        return value
+    return _in_range(value, term, _where(term, call, labels))
 
 
 def _subject(term: BoundTerm, call: tuple[int, ...], segmentation: Segmentation) -> object:
     """What the objective of a term receives: a part, several, or the segmentation."""
-    if term.objective.traits.arity == "unary":
+    if term.arity == "unary":
         return segmentation.part(call[0])
-    if term.objective.traits.arity == "nary":
-        return tuple(segmentation.part(k) for k in call)
+    if term.arity == "nary":
+        return tuple([segmentation.part(k) for k in call])
     return segmentation
 
 
@@ -273,11 +290,15 @@ def call_details(
     return found
 
 
+def _where(term: BoundTerm, call: tuple[int, ...], labels: Sequence[str]) -> str:
+    """A call in words, for messages."""
+    named = ", ".join(labels[k] for k in call)
+    return f"'{term.term.call}'" + (f" for {named}" if call else "")
+
+
 def _in_range(value: float, term: BoundTerm, where: str) -> float:
-    """The value, rounding beyond the declared range clipped; or an error."""
+    """A value beyond the declared range, clipped where that is rounding; or an error."""
     low, high = term.objective.traits.range
-    if math.isfinite(value) and low <= value <= high:
-        return value
     if not math.isfinite(value):
         raise PluginError(
             f"objective '{term.id}' of {term.distribution} returned {value} in {where}; values"

@@ -17,7 +17,7 @@ from functools import cached_property
 from typing import Any
 
 from moseg_core.components.discovery.registry import Registry, describe
-from moseg_core.components.objectives import COST_ORDER
+from moseg_core.components.objectives import COST_ORDER, Arity
 from moseg_core.components.parameters import Parameter, check_parameters
 from moseg_core.components.protocols import Objective
 from moseg_core.errors import REPORT, ExpressionError, PluginError, UsageError, nearest, unknown
@@ -54,12 +54,17 @@ class BoundTerm:
     calls: tuple[tuple[int, ...], ...]
     space: str = "original"
 
-    @property
+    @cached_property
     def weight(self) -> float:
         """The factor before the term, with its sign."""
         return self.term.weight
 
-    @property
+    @cached_property
+    def arity(self) -> Arity:
+        """How many parts the objective is of."""
+        return self.objective.traits.arity
+
+    @cached_property
     def cost_rank(self) -> int:
         """0 for cheap objectives, up to 2 for expensive ones."""
         return COST_ORDER[self.objective.traits.cost]

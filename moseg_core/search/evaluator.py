@@ -12,6 +12,10 @@ The search spends its time here. Three things keep it short, none of which chang
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
+import numpy as np
+
 from moseg_core.components.cost import Cost
 from moseg_core.components.discovery.lookup import Lookup
 from moseg_core.components.field import field_values
@@ -24,6 +28,7 @@ from moseg_core.problem.aggregate import (
     call_value,
     empty_parts,
     evaluate_segmentation,
+    known_value,
     leaves_out,
     weighted_sum,
 )
@@ -33,7 +38,7 @@ from moseg_core.search.assignment import UnaryCosts
 from moseg_core.search.checked_partition import checked
 from moseg_core.shape.pins import NO_PINS, Pins
 from moseg_core.shape.shape import Shape
-from moseg_core.types import FloatArray, Int32Array, IntArray
+from moseg_core.types import FloatArray, Int32Array, IntArray, frozen
 
 Found = tuple[Cost, FloatArray]
 """A cost, and the (m,) vector that has it."""
@@ -86,6 +91,11 @@ class ProblemEvaluator:
         self.best: Found | None = None
         self.input = self if input is None else input
         self._lookup = Lookup(problem.registry)
+        self._least: Values = [[_least(term)] * len(term.calls) for term in problem.terms]
+        self._least_sum = weighted_sum(problem.terms, self._least)
+        self._by_rank: dict[int, list[tuple[int, BoundTerm]]] = {}
+        for t, term in enumerate(problem.terms):
+            self._by_rank.setdefault(term.cost_rank, []).append((t, term))
         # Before the search, so that a field that fails is known at once, and processes share it.
         for name in problem.fields:
             field_values(shape, name, lookup=self._lookup)
@@ -141,8 +151,7 @@ class ProblemEvaluator:
         first_of: dict[bytes, int] = {}
         owner: list[int] = []
         candidates: list[_Candidate] = []
-        for labels in self.parameterization.labels(batch.vectors):
-            segmentation = self.segmentation(labels)
+        for segmentation in self._segmentations(batch.vectors):
             key = segmentation.summary.hashes.tobytes()
             owner.append(first_of.setdefault(key, len(candidates)))
             if owner[-1] == len(candidates):
@@ -161,13 +170,10 @@ class ProblemEvaluator:
 
     def order_cost(self, segmentation: Segmentation, order: IntArray) -> Cost:
         """Cost of a segmentation when label ``j`` goes to its part ``order[j]``."""
-        permuted = segmentation.permuted(order)
-        return evaluate_segmentation(
-            self.problem.terms,
-            self.problem.labels,
-            permuted,
-            broken_pins=self.pins.broken(permuted.level_labels),
-        ).cost
+        candidate = _Candidate(self, segmentation.permuted(order))
+        for rank in self._by_rank:
+            candidate.evaluate(rank)
+        return candidate.cost
 
     def labelled_costs(self, vectors: FloatArray) -> list[tuple[IntArray, Cost]]:
         """For each vector the best labels by the unary objectives, and the cost under them.
@@ -186,8 +192,7 @@ class ProblemEvaluator:
         """
         self.evaluations += len(vectors)
         found = []
-        for vector, labels in zip(vectors, self.parameterization.labels(vectors), strict=True):
-            segmentation = self.segmentation(labels)
+        for vector, segmentation in zip(vectors, self._segmentations(vectors), strict=True):
             order = UnaryCosts(self.problem, segmentation, self.pins).assign(
                 self.constraints.groups
             )
@@ -197,6 +202,14 @@ class ProblemEvaluator:
             found.append((order, cost))
         return found
 
+    def _segmentations(self, vectors: FloatArray) -> Iterator[Segmentation]:
+        """The parts of the partitions that vectors describe."""
+        n = len(self.problem.labels)
+        # A copy: a parameterization may write its next labels where it wrote these.
+        labels = frozen(np.array(self.parameterization.labels(vectors), np.int32, order="C"))
+        for row in labels:
+            yield Segmentation.from_checked(self.shape, row, n, memo=self.memo, lookup=self._lookup)
+
     def _keep(self, cost: Cost, vector: FloatArray) -> None:
         """Remember a candidate if it is the best so far."""
         if self.best is None or cost < self.best[0]:
@@ -205,7 +218,7 @@ class ProblemEvaluator:
     def _complete(self, candidates: list[_Candidate], batch: Batch) -> list[Cost]:
         """Costs of distinct candidates, dropping those that cannot matter."""
         limit = batch.cutoff
-        ranks = sorted({term.cost_rank for term in self.problem.terms})
+        ranks = sorted(self._by_rank)
         if not batch.best_only:
             for candidate in candidates:
                 for rank in ranks:
@@ -237,25 +250,45 @@ class _Candidate:
     """A segmentation some of whose terms are evaluated; the others stand at their least."""
 
     def __init__(self, evaluator: ProblemEvaluator, segmentation: Segmentation) -> None:
-        self.terms = evaluator.problem.terms
-        self.names = evaluator.problem.labels
+        self.evaluator = evaluator
+        self.terms = terms = evaluator.problem.terms
         self.segmentation = segmentation
-        self.empty = empty_parts(self.terms, segmentation)
+        self.empty = empty_parts(terms, segmentation)
         self.violations = sum(self.empty) + evaluator.pins.broken(segmentation.level_labels)
-        self.values: Values = [
-            [None if leaves_out(term, call, self.empty) else _least(term) for call in term.calls]
-            for term in self.terms
-        ]
-        self.cost = Cost(self.violations, weighted_sum(self.terms, self.values))
+        self.values: Values = evaluator._least.copy()
+        least = evaluator._least_sum
+        if True in self.empty:
+            self.values = [
+                [None if leaves_out(term, call, self.empty) else row[0] for call in term.calls]
+                for term, row in zip(terms, self.values, strict=True)
+            ]
+            least = weighted_sum(terms, self.values)
+        self.cost = Cost(self.violations, least)
 
     def evaluate(self, rank: int) -> None:
         """Evaluate the terms of one cost class; `cost` becomes a better lower bound."""
-        for t, term in enumerate(self.terms):
-            if term.cost_rank == rank:
-                for c, call in enumerate(term.calls):
-                    self.values[t][c] = call_value(
-                        term, call, self.segmentation, self.empty, self.names
-                    )
+        segmentation, empty = self.segmentation, self.empty
+        some_empty, missing = True in empty, []
+        for t, term in self.evaluator._by_rank[rank]:
+            row = self.values[t] = [
+                None
+                if some_empty and leaves_out(term, call, empty)
+                else known_value(term, call, segmentation)
+                for call in term.calls
+            ]
+            if None in row:
+                missing.append((term, row))
+                # What is measured of a part is measured in one pass of all that have been made.
+                if term.arity == "unary":
+                    view = segmentation.view(term.space)
+                    for call, value in zip(term.calls, row, strict=True):
+                        if value is None:
+                            view.part(call[0])
+        names = self.evaluator.problem.labels
+        for term, row in missing:
+            for c, call in enumerate(term.calls):
+                if row[c] is None:
+                    row[c] = call_value(term, call, segmentation, empty, names)
         self.cost = Cost(self.violations, weighted_sum(self.terms, self.values))
 
 

@@ -20,7 +20,7 @@ import numpy as np
 import numpy.typing as npt
 
 from moseg_core.shape.compiled import kernel
-from moseg_core.types import FloatArray, Int32Array, IntArray
+from moseg_core.types import BoolArray, FloatArray, Int32Array, IntArray
 
 
 @kernel
@@ -89,34 +89,74 @@ def summarize_parts(
 
 
 @kernel
+def find_empty(
+    moments: FloatArray, least_area: float, least_spread: float, empty: BoolArray
+) -> None:
+    """Which parts have no area or no extent.
+
+    Parameters
+    ----------
+    moments : (n, 10) float
+        From :func:`summarize_parts`.
+    least_area, least_spread : float
+        An area, and a mean square distance from the centroid, that count as none.
+    empty : (n,) bool, written
+    """
+    for k in range(moments.shape[0]):
+        area = moments[k, 0]
+        empty[k] = True
+        if area > least_area:
+            x, y, z = moments[k, 1] / area, moments[k, 2] / area, moments[k, 3] / area
+            square = (moments[k, 4] + moments[k, 7] + moments[k, 9]) / area
+            empty[k] = not square - (x * x + y * y + z * z) > least_spread
+
+
+@kernel
 def summarize_field(
     labels: Int32Array,
+    wanted: BoolArray,
     weighted: FloatArray,
     squared: FloatArray,
     least: FloatArray,
     greatest: FloatArray,
-    sums: FloatArray,
+    areas: FloatArray,
+    middle: float,
+    rows: FloatArray,
 ) -> None:
-    """Sums and extremes of a field over every part (:mod:`moseg_core.components.field`).
+    """A field over several parts: mean, spread and extremes.
 
     Parameters
     ----------
     labels : (F,) int32
         Part of each element, 0 to n - 1.
-    weighted, squared : (F,) float
-        Area times value, area times value squared, of each element.
-    least, greatest : (F,) float
-        Of the values in each element; infinite where an element has no area.
-    sums : (n, 4) float, written
-        The two sums, the least and the greatest value.
+    wanted : (n,) bool
+        The parts to summarize.
+    weighted, squared, least, greatest : (F,) float
+        Sums and extremes of each element (:class:`moseg_core.components.field.FieldSums`).
+    areas : (n,) float
+        Of the parts.
+    middle : float
+        What the sums are about.
+    rows : (n, 4) float, written
+        Of every wanted part mean, standard deviation, least and greatest value; NaN for the first
+        two where it has no area.
     """
-    sums[:, 0] = 0.0
-    sums[:, 1] = 0.0
-    sums[:, 2] = np.inf
-    sums[:, 3] = -np.inf
+    for k in range(wanted.shape[0]):
+        if wanted[k]:
+            rows[k, 0], rows[k, 1], rows[k, 2], rows[k, 3] = 0.0, 0.0, np.inf, -np.inf
     for f in range(labels.shape[0]):
         k = labels[f]
-        sums[k, 0] += weighted[f]
-        sums[k, 1] += squared[f]
-        sums[k, 2] = min(sums[k, 2], least[f])
-        sums[k, 3] = max(sums[k, 3], greatest[f])
+        if wanted[k]:
+            rows[k, 0] += weighted[f]
+            rows[k, 1] += squared[f]
+            rows[k, 2] = min(rows[k, 2], least[f])
+            rows[k, 3] = max(rows[k, 3], greatest[f])
+    for k in range(wanted.shape[0]):
+        if wanted[k]:
+            if areas[k] == 0:
+                rows[k, 0], rows[k, 1] = np.nan, np.nan
+            else:
+                mean = rows[k, 0] / areas[k]
+                variance = rows[k, 1] / areas[k] - mean * mean
+                rows[k, 0] = middle + mean
+                rows[k, 1] = np.sqrt(max(variance, 0.0))

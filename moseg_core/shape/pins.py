@@ -36,6 +36,8 @@ class Pins:
 
     def broken(self, labels: Int32Array) -> int:
         """How many pinned elements bear another label than theirs."""
+        if not self.elements.size:
+            return 0
         return int((labels[self.elements] != self.labels).sum())
 
     def broken_by_part(self, parts: Int32Array, n: int) -> IntArray:

@@ -66,6 +66,7 @@ def test_a_boundary_says_the_same_on_a_coarse_shape():
     rough = Segmentation.from_labels(coarse, labels, 3, lookup=Heights())
     exact = Segmentation.from_labels(shape, labels[coarse.members], 3, lookup=Heights())
     assert rough.boundaries.lengths == pytest.approx(exact.boundaries.lengths)
+    assert exact.boundaries.around == pytest.approx(exact.boundaries.lengths.sum(axis=1))
     for one, other in zip(rough.parts, exact.parts, strict=True):
         assert one.boundary.mean("height") == pytest.approx(other.boundary.mean("height"))
 
@@ -81,6 +82,17 @@ def test_the_boundary_of_a_part_is_the_same_to_the_last_bit_however_the_rest_is_
     assert one.mean("height") == other.mean("height")
 
 
+def test_what_all_boundaries_say_of_a_part_is_what_its_own_says_to_the_last_bit():
+    shape = Shape.from_mesh(*shapes.jitter(shapes.bent_capsule(12, 10), 1))
+    labels = np.random.default_rng(2).integers(0, 4, shape.n_elements)
+    found = Segmentation.from_labels(shape, labels, 4, lookup=Heights())
+    own = [part.boundary for part in found.parts]
+    assert found.boundaries.around.tolist() == [each.length for each in own]
+    means = found.boundaries.means_around("height", factor=2.0)
+    assert means.tolist() == [each.mean("height", factor=2.0) for each in own]
+    assert found.areas.tolist() == [part.area for part in found.parts]
+
+
 def test_a_boundary_of_no_length_has_no_mean():
     shape = Shape.from_mesh(*shapes.cube())
     found = Segmentation.from_labels(shape, [0] * 6, 1, lookup=Heights())
@@ -90,6 +102,7 @@ def test_a_boundary_of_no_length_has_no_mean():
         with pytest.raises(MosegError, match="no length"):
             boundary.mean("height")
     assert repr(found.boundaries) == "Boundaries(1 parts, length 0)"
+    assert np.isnan(found.boundaries.means_around("height")).all()
 
 
 def test_without_neighbours_there_are_no_boundaries():

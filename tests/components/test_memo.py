@@ -43,6 +43,17 @@ def test_values_that_count_as_false_are_kept_like_others(value):
     assert memo.get("a", lambda: pytest.fail("known")) is value
 
 
+def test_looking_computes_nothing_and_counts_as_use():
+    memo = Memo(size=2)
+    assert memo.known("a") is None
+    assert memo.get("a", lambda one, two: one + two, 1, 2) == 3
+    memo.get("b", lambda: 0.0)
+    assert memo.known("a") == 3
+    memo.get("c", lambda: 5)  # b goes: a was used since
+    assert (memo.known("b"), memo.known("a"), memo.known("c")) == (None, 3, 5)
+    assert (memo.hits, memo.misses) == (3, 3)
+
+
 def test_a_failure_is_not_kept():
     memo = Memo()
     with pytest.raises(ZeroDivisionError):

@@ -46,6 +46,26 @@ def test_one_pass_for_all_parts(passes):
     assert passes.count("summarize_field") == 2
 
 
+def test_a_pass_is_about_the_parts_made_so_far_and_the_second_about_all_others(passes):
+    found, all_at_once = cut_cube(), cut_cube()
+    expected = [part.field("height") for part in all_at_once.parts]
+    scales = [part.scales.tolist() for part in all_at_once.parts]
+    passes.clear()
+    found.part(2), found.part(0)
+    assert (found.part(2).field("height"), passes) == (expected[2], ["summarize_field"])
+    assert (found.part(0).field("height"), len(passes)) == (expected[0], 1)
+    assert found.part(0).scales.tolist() == scales[0]
+    assert (found.part(1).field("height"), len(passes)) == (expected[1], 2)
+    assert found.part(1).scales.tolist() == scales[1]
+
+
+def test_passes_are_two_at_most_though_parts_are_made_one_by_one(passes):
+    found = Segmentation.from_labels(Shape.from_mesh(*shapes.cube()), range(6), 6, lookup=Heights())
+    for k in (3, 0, 5, 1, 2, 4):
+        found.part(k).field("height")
+    assert passes == ["summarize_field"] * 2
+
+
 def test_exchanged_labels_have_tables_of_their_own():
     found = cut_cube()
     turned = found.permuted([2, 0, 1])
@@ -58,3 +78,5 @@ def test_exchanged_labels_have_tables_of_their_own():
 def test_parts_of_two_segmentations_have_no_boundary_with_each_other():
     with pytest.raises(MosegError, match="parts of two segmentations"):
         cut_cube().parts[0].boundary_with(cut_cube().parts[1])
+    with pytest.raises(MosegError, match="parts of two segmentations"):
+        cut_cube().parts[0].distance_to(cut_cube().parts[1])

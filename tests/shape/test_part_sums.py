@@ -8,7 +8,12 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from moseg_core.shape.part_sums import hash_elements, summarize_field, summarize_parts
+from moseg_core.shape.part_sums import (
+    find_empty,
+    hash_elements,
+    summarize_field,
+    summarize_parts,
+)
 from tests.references import membership_hash
 
 HASHES = [
@@ -118,14 +123,38 @@ def test_the_hash_is_the_same_in_every_process():
 
 @given(st.integers(0, 2**32), st.integers(1, 5))
 @settings(max_examples=40, deadline=None)
-def test_field_sums_are_those_of_a_loop_over_parts(seed, n):
+def test_summaries_of_a_field_are_those_of_a_loop_over_the_wanted_parts(seed, n):
     rng = np.random.default_rng(seed)
     labels = rng.integers(0, n, 20).astype(np.int32)
     weighted, squared, least, greatest = rng.integers(-9, 9, (4, 20)).astype(float)
-    sums = np.full((n, 4), 7.0)
-    summarize_field(labels, weighted, squared, least, greatest, sums)
+    areas, wanted = rng.integers(0, 5, n).astype(float), rng.random(n) < 0.7
+    rows = np.full((n, 4), 7.0)
+    summarize_field(labels, wanted, weighted, squared, least, greatest, areas, 2.0, rows)
     for k in range(n):
+        if not wanted[k]:
+            assert rows[k].tolist() == [7.0] * 4
+            continue
         own = labels == k
-        low = least[own].min(initial=np.inf)
-        high = greatest[own].max(initial=-np.inf)
-        assert sums[k].tolist() == [weighted[own].sum(), squared[own].sum(), low, high]
+        extremes = [least[own].min(initial=np.inf), greatest[own].max(initial=-np.inf)]
+        assert rows[k, 2:].tolist() == extremes
+        if areas[k] == 0:
+            assert np.isnan(rows[k, :2]).all()
+            continue
+        mean = weighted[own].sum() / areas[k]
+        variance = squared[own].sum() / areas[k] - mean**2
+        assert rows[k, :2].tolist() == [2.0 + mean, max(variance, 0.0) ** 0.5]
+
+
+@given(st.integers(0, 2**32))
+@settings(max_examples=60, deadline=None)
+def test_parts_without_area_or_extent_are_empty(seed):
+    rng = np.random.default_rng(seed)
+    moments = rng.integers(0, 4, (5, 10)).astype(float)
+    empty = np.zeros(5, np.bool_)
+    find_empty(moments, 1.0, 0.5, empty)
+    for row, found in zip(moments, empty.tolist(), strict=True):
+        if row[0] <= 1.0:
+            assert found
+        else:
+            spread = (row[4] + row[7] + row[9]) / row[0] - ((row[1:4] / row[0]) ** 2).sum()
+            assert found == (not spread > 0.5)

@@ -9,10 +9,6 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from typing import Any
-
-import numpy as np
-from scipy.spatial import cKDTree
 
 from moseg_core import Part, objective
 
@@ -56,9 +52,7 @@ def touching(parts: Sequence[Part]) -> float:
     gaps = 0.0
     for other in others:
         if not first.boundary_with(other).length > 0:
-            one, two = sorted((first, other), key=lambda part: len(part.level_elements))
-            tree: cKDTree = two.measure("basic:element_tree")
-            gaps += float(np.min(tree.query(one.level.points[one.level_elements])[0]))
+            gaps += first.distance_to(other)
     return min(1.0, gaps / len(others) / first.shape.box_diagonal)
 
 
@@ -98,17 +92,3 @@ def apart(parts: Sequence[Part]) -> float:
         if shared > 0:
             shares += shared / min(first.boundary.length, second.boundary.length)
     return min(1.0, shares / pairs)
-
-
-def element_tree(part: Part) -> Any:
-    """Search tree over the middles of a part's elements on the level that is labelled.
-
-    Parameters
-    ----------
-    part : Part
-
-    Returns
-    -------
-    scipy.spatial.cKDTree
-    """
-    return cKDTree(part.level.points[part.level_elements])

@@ -217,12 +217,6 @@ def moseg_measures() -> list[MeasureSpec]:
             summary="search tree for distances to the part's surface",
             keep=False,
         ),
-        MeasureSpec(
-            name="element_tree",
-            target=f"{_PACKAGE}.neighbours:element_tree",
-            summary="search tree over the part's elements",
-            keep=False,
-        ),
     ]
 
 

@@ -61,7 +61,7 @@ def remoteness(shape: Shape) -> FloatArray:
     places = Places.of(shape, _MOST)
     groups = places.shape
     graph = _distances_to_neighbours(groups)
-    distances = csgraph.dijkstra(graph, directed=False)
+    distances = csgraph.dijkstra(graph)  # both ways alike, so directed or not
     reached = np.isfinite(distances)
     distances[~reached] = _BEYOND * distances[reached].max()
     means = distances @ groups.areas
