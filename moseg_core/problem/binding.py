@@ -221,10 +221,10 @@ def _bind_term(
     registry: Registry,
     tables: Table,
 ) -> BoundTerm:
-    identifier, distribution, target = _find(term, text, labels, objectives, registry)
+    identifier, distribution, target = find_objective(term, text, labels, objectives, registry)
     traits = target.traits
     chosen = chosen_labels(term, text, labels)
-    _check_count(term, text, target, len(chosen))
+    check_count(term, text, target, len(chosen))
     parameters = chosen_parameters(term, text, target.parameters, tables)
     if traits.arity == "unary":
         calls: tuple[tuple[int, ...], ...] = tuple((index,) for index in chosen)
@@ -240,14 +240,22 @@ def _bind_term(
     )
 
 
-def _find(
+def find_objective(
     term: Term,
     text: str,
     labels: Sequence[str],
     objectives: Mapping[str, Objective],
     registry: Registry,
 ) -> tuple[str, str, Objective]:
-    """(id, distribution, objective) of a term's name."""
+    """(id, distribution, objective) of a term's name.
+
+    Raises
+    ------
+    ExpressionError
+        There is none, with the nearest name.
+    PluginError
+        Its bundle is broken.
+    """
     if term.name in objectives:
         return f"python:{term.name}", "the calling program", objectives[term.name]
     try:
@@ -280,7 +288,7 @@ def chosen_labels(term: Term, text: str, labels: Sequence[str]) -> list[int]:
     """
     chosen: list[int] = []
     for argument in term.arguments:
-        for index in _match(argument, text, labels):
+        for index in matched_labels(argument, text, labels):
             if index in chosen:
                 raise ExpressionError(
                     f"label '{labels[index]}' is given twice to '{term.name}'", text, *argument.span
@@ -329,7 +337,14 @@ def chosen_parameters(
     return parameters
 
 
-def _match(argument: Argument, text: str, labels: Sequence[str]) -> list[int]:
+def matched_labels(argument: Argument, text: str, labels: Sequence[str]) -> list[int]:
+    """Indices of the labels that one argument stands for.
+
+    Raises
+    ------
+    ExpressionError
+        An unknown label, or a glob that matches none.
+    """
     if argument.is_glob:
         found = [i for i, name in enumerate(labels) if fnmatch.fnmatchcase(name, argument.pattern)]
         if not found:
@@ -344,7 +359,14 @@ def _match(argument: Argument, text: str, labels: Sequence[str]) -> list[int]:
     return [labels.index(argument.pattern)]
 
 
-def _check_count(term: Term, text: str, target: Objective, count: int) -> None:
+def check_count(term: Term, text: str, target: Objective, count: int) -> None:
+    """Refuse a call with more or fewer labels than its objective takes.
+
+    Raises
+    ------
+    ExpressionError
+        Points at the call.
+    """
     traits = target.traits
     if traits.arity == "global":
         wrong = count > 0

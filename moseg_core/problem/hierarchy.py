@@ -97,8 +97,10 @@ class Hierarchy:
         Raises
         ------
         UsageError, PluginError
-            See :class:`moseg_core.Problem`.
+            See :class:`moseg_core.Problem`; the labels have counts that stand for several label
+            sets (:func:`moseg_core.problem.variants.closed_statements`).
         """
+        statement = statement.written_out()
         parts = {label: cls.of(part, registry=registry) for label, part in statement.parts}
         return cls(Problem.of(statement, registry=registry), parts, statement.search)
 

@@ -147,7 +147,7 @@ class Problem:
         Raises
         ------
         UsageError, PluginError
-            As for the constructor.
+            As for the constructor; the labels have counts that stand for several label sets.
 
         Examples
         --------
@@ -155,6 +155,7 @@ class Problem:
         >>> Problem.of(Statement(labels=("a", "b"), minimize="narrow(a)")).labels
         ('a', 'b')
         """
+        statement = statement.written_out()
         return cls(
             statement.labels,
             statement.minimize,

@@ -41,6 +41,14 @@ a name (:mod:`moseg_core.problem.hierarchy`). They are given for labels and glob
     [parts."leg*"]
     recipe = "./leg.toml"                   # or the name of an installed one
 
+The members of a kind of shape may differ. Labels then have counts, and all combinations of these
+are searched for (:mod:`moseg_core.problem.label_sets`); or the label sets that occur are listed, and
+``labels`` can be left out, since they follow::
+
+    labels = ["torso", "leg{2..4}", "tail{0..1}"]
+
+    variants = [["torso", "leg{4}"], ["torso", "leg{4}", "tail"]]
+
 A recipe for any number of parts has one label with a star, ``labels = ["part*"]``; who uses it says
 how many there are (``--parts 5``, :func:`moseg_core.segment_parts`).
 
@@ -64,7 +72,8 @@ from moseg_core.errors import REPORT, PluginError, UsageError, unknown
 from moseg_core.problem.full_names import meant_by_bundle, statement_in_full
 from moseg_core.problem.hierarchy import Hierarchy, expand_parts
 from moseg_core.problem.problem import Problem
-from moseg_core.problem.statement import KEYS, Statement, check_label_names, joined, read_texts
+from moseg_core.problem.statement import KEYS, Statement, joined, read_texts
+from moseg_core.problem.variants import Variants
 
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]+\Z", re.ASCII)
 
@@ -135,6 +144,22 @@ class Recipe:
         ('handle', 'head')
         """
         return Hierarchy.of(self.statement, registry=source)
+
+    def hierarchies(self, *, source: Registry | None = None) -> tuple[Hierarchy, ...]:
+        """The same for each label set, where labels have counts; else the one of :meth:`hierarchy`.
+
+        Raises
+        ------
+        UsageError, PluginError
+            As for :meth:`problem`.
+
+        Examples
+        --------
+        >>> stated = Statement(labels=("top", "leg{3..4}"), minimize="flat(top) + narrow(leg*)")
+        >>> [len(task.labels) for task in Recipe(name="table", statement=stated).hierarchies()]
+        [4, 5]
+        """
+        return Variants.of(self.statement, source=source).tasks
 
     def toml(self) -> str:
         r"""The text of the recipe, which :func:`parse_recipe` reads back to the same.
@@ -279,29 +304,33 @@ def _read(table: Mapping[str, Any], name: str, library: _Library) -> Recipe:
     try:
         learned_from = read_texts(table, "learned_from") if "learned_from" in table else ()
         statement = Statement.read({key: table[key] for key in KEYS if key in table})
-        check_label_names(statement.labels, may_be_open=True)
+        statement.label_sets()
         if not isinstance(nested, dict):
             raise UsageError(f"'parts' must be tables such as [parts.head]; it is {nested!r}")
-        expand_parts(nested.items(), statement.labels)
+        expand_parts(nested.items(), statement.declared)
     except UsageError as error:
         raise UsageError(f"recipe '{name}': {error}") from error
     read = [
-        (key, _read_part(part, joined(name, key), library).statement)
+        (key, _fixed(_read_part(part, joined(name, key), library).statement, joined(name, key)))
         for key, part in nested.items()
     ]
-    for key, part in read:
-        if part.is_open:
-            raise UsageError(
-                f"recipe '{joined(name, key)}' leaves the number of parts open"
-                f" ({', '.join(part.labels)}), which only the recipe of the whole may; list them"
-            )
-    parts = tuple(expand_parts(read, statement.labels).items())
+    parts = tuple(expand_parts(read, statement.declared).items())
     return Recipe(
         name=name,
         statement=replace(statement, parts=parts),
         description=description,
         learned_from=learned_from,
     )
+
+
+def _fixed(part: Statement, name: str) -> Statement:
+    """A part's statement, which must say which parts there are."""
+    if part.is_open or (part.has_counts and len(part.label_sets()) > 1):
+        raise UsageError(
+            f"recipe '{name}' leaves the number of parts open"
+            f" ({', '.join(part.labels)}), which only the recipe of the whole may; list them"
+        )
+    return part.written_out()
 
 
 def _read_part(table: object, name: str, library: _Library) -> Recipe:

@@ -10,7 +10,9 @@ written to each of them. Two statements that are equal ask for the same, and
 :meth:`Statement.digest` tells in a few characters whether they do.
 
 A statement may be *open*: one of its labels, ``part*``, stands for as many as whoever asks wants
-(:meth:`Statement.with_parts`).
+(:meth:`Statement.with_parts`). Or its labels have counts, ``leg{2..5}``, and it stands for a problem
+for each of several label sets (:mod:`moseg_core.problem.label_sets`). A statement that is neither is
+*closed*.
 
 No name is looked up here: that is what a :class:`~moseg_core.problem.problem.Problem` is made for,
 and so a statement can be read, shown and compared where its bundles are not installed.
@@ -28,6 +30,14 @@ from typing import Any
 from moseg_core.components.chosen import Choice
 from moseg_core.errors import UsageError, unknown
 from moseg_core.language import Table
+from moseg_core.problem.label_sets import (
+    LabelSet,
+    declared_labels,
+    is_counted,
+    label_sets,
+    labels_of_variants,
+    set_text,
+)
 from moseg_core.problem.settings import RECIPE_OPTIONS, Method, check_method
 
 _LABEL = re.compile(r"\w+\Z", re.ASCII)
@@ -39,6 +49,7 @@ SEPARATOR = "/"
 
 KEYS = (
     "labels",
+    "variants",
     "minimize",
     "constraints",
     "plane",
@@ -57,7 +68,10 @@ class Statement:
     Parameters
     ----------
     labels : tuple of str
-        Names of the parts; one may end with ``*`` (see :attr:`is_open`).
+        Names of the parts; one may end with ``*`` (see :attr:`is_open`), or some may have counts
+        (see :attr:`has_counts`). Without any they follow from the variants.
+    variants : tuple of tuple of str
+        The label sets that occur, where labels have counts and not all combinations do.
     minimize : str
         The aggregate objective.
     constraints : tuple of str
@@ -84,7 +98,8 @@ class Statement:
     True
     """
 
-    labels: tuple[str, ...]
+    labels: tuple[str, ...] = ()
+    variants: tuple[tuple[str, ...], ...] = ()
     minimize: str
     constraints: tuple[str, ...] = ()
     plane: str | None = None
@@ -98,6 +113,9 @@ class Statement:
         for name in ("labels", "constraints", "parts"):
             object.__setattr__(self, name, tuple(getattr(self, name)))
         object.__setattr__(self, "given", check_tables(self.given))
+        object.__setattr__(self, "variants", tuple(map(tuple, self.variants)))
+        if self.variants and not self.labels:
+            object.__setattr__(self, "labels", labels_of_variants(self.variants))
         check_method(self.search, "a statement's search")
 
     @classmethod
@@ -107,8 +125,8 @@ class Statement:
         Parameters
         ----------
         table : mapping
-            ``labels`` and ``minimize``; others of :data:`KEYS` where they say something; ``parts``
-            by label.
+            ``labels``, or ``variants`` in their place, and ``minimize``; others of :data:`KEYS`
+            where they say something; ``parts`` by label.
 
         Raises
         ------
@@ -120,8 +138,10 @@ class Statement:
                 raise UsageError(unknown("key", key, (*KEYS, "parts")))
         constraints = read_texts(table, "constraints") if "constraints" in table else ()
         embedding = table.get("embedding")
+        variants = _lists(table, "variants") if "variants" in table else ()
         return cls(
-            labels=read_texts(table, "labels"),
+            labels=() if variants and "labels" not in table else read_texts(table, "labels"),
+            variants=variants,
             minimize=_text(table, "minimize"),
             constraints=constraints,
             plane=_text(table, "plane") if "plane" in table else None,
@@ -134,8 +154,10 @@ class Statement:
 
     def document(self) -> dict[str, Any]:
         """The same as plain data, what says nothing left out; parts under ``"parts"``."""
+        follow = self.variants and self.labels == labels_of_variants(self.variants)
         said: dict[str, Any] = {
             "labels": list(self.labels),
+            "variants": [list(variant) for variant in self.variants],
             "minimize": self.minimize,
             "constraints": list(self.constraints),
             "plane": self.plane,
@@ -147,12 +169,79 @@ class Statement:
             said[key] = _written(value) if isinstance(value, Choice) else value
         said["given"] = self.given.document()
         said["parts"] = {label: part.document() for label, part in self.parts}
-        return {key: value for key, value in said.items() if value or key in ("labels", "minimize")}
+        always = ("minimize",) if follow else ("labels", "minimize")
+        if follow:
+            del said["labels"]
+        return {key: value for key, value in said.items() if value or key in always}
 
     @property
     def is_open(self) -> bool:
         """Whether the number of parts is still to be said."""
         return any("*" in label for label in self.labels)
+
+    @property
+    def has_counts(self) -> bool:
+        """Whether labels have counts, or variants are listed: it may stand for several label sets.
+
+        Examples
+        --------
+        >>> Statement(labels=("torso", "leg{2..4}"), minimize="narrow(leg*)").has_counts
+        True
+        """
+        return bool(self.variants) or any(map(is_counted, self.labels))
+
+    @property
+    def declared(self) -> LabelSet:
+        """All names that the labels can stand for, in whichever label set."""
+        return declared_labels(check_label_names(self.labels, may_be_open=True))
+
+    def label_sets(self) -> tuple[LabelSet, ...]:
+        """The label sets that it stands for: one where no label has a count.
+
+        Raises
+        ------
+        UsageError
+            Malformed labels, too many sets, or variants that the labels do not allow.
+
+        Examples
+        --------
+        >>> stated = Statement(labels=("torso", "leg{1..2}"), minimize="narrow(leg*)")
+        >>> stated.label_sets()
+        (('torso', 'leg1'), ('torso', 'leg1', 'leg2'))
+        """
+        labels = check_label_names(self.labels, may_be_open=True)
+        for variant in self.variants:
+            check_label_names(variant, may_be_open=True)
+        if self.is_open and self.has_counts:
+            raise UsageError(
+                f"labels have a star or counts, not both: {', '.join(labels)}; write"
+                f" 'leg{{2..5}}' for numbers of legs that occur, 'part*' for any number of parts"
+            )
+        return label_sets(labels, self.variants)
+
+    def written_out(self) -> Statement:
+        """The same with the labels' counts written out, where there is a single label set.
+
+        Raises
+        ------
+        UsageError
+            There are several.
+
+        Examples
+        --------
+        >>> Statement(labels=("top", "leg{3}"), minimize="flat(top)").written_out().labels
+        ('top', 'leg1', 'leg2', 'leg3')
+        """
+        if not self.has_counts:
+            return self
+        sets = self.label_sets()
+        if len(sets) > 1 or sets[0] != self.declared:
+            raise UsageError(
+                f"the labels {', '.join(self.labels)} stand for {len(sets)} label sets; try them"
+                f" all, with segment_variants(shape, recipe) in Python, or name one, such as"
+                f""" --labels "{set_text(sets[-1], self.labels)}\""""
+            )
+        return replace(self, labels=sets[0], variants=())
 
     def with_parts(self, count: int) -> Statement:
         """The same for a certain number of parts, the open label numbered from 1.
@@ -173,6 +262,11 @@ class Statement:
         ('body', 'leg1', 'leg2', 'leg3')
         """
         labels = check_label_names(self.labels, may_be_open=True)
+        if self.has_counts:
+            raise UsageError(
+                f"the labels {', '.join(labels)} say which numbers of parts are tried; do not say"
+                f" how many there are, or name the labels: --labels"
+            )
         if not self.is_open:
             raise UsageError(
                 f"the number of parts is fixed by the labels {', '.join(labels)}; do not say how"
@@ -216,7 +310,8 @@ def check_label_names(labels: Sequence[str], *, may_be_open: bool = False) -> tu
     ----------
     labels : sequence of str
     may_be_open : bool
-        Whether one label may end with ``*``, for a number of parts that is still to be said.
+        Whether one label may end with ``*``, for a number of parts that is still to be said, and
+        labels may have counts.
 
     Examples
     --------
@@ -234,9 +329,16 @@ def check_label_names(labels: Sequence[str], *, may_be_open: bool = False) -> tu
         raise UsageError("a problem needs at least one label")
     for name in names:
         is_open = isinstance(name, str) and _OPEN_LABEL.match(name)
-        if not is_open and not (isinstance(name, str) and _LABEL.match(name)):
+        counted = is_counted(name)
+        if not is_open and not counted and not (isinstance(name, str) and _LABEL.match(name)):
             raise UsageError(
                 f"label {name!r} is not allowed; labels are made of letters, digits and '_'"
+                + (", and may have a count: 'leg{4}', 'leg{2..5}'" if may_be_open else "")
+            )
+        if counted and not may_be_open:
+            raise UsageError(
+                f"label '{name}' has a count, which only the labels of a recipe or --labels may;"
+                f" Statement.label_sets() in Python has the labels that it stands for"
             )
         if is_open and not may_be_open:
             raise UsageError(
@@ -245,6 +347,7 @@ def check_label_names(labels: Sequence[str], *, may_be_open: bool = False) -> tu
             )
         if names.count(name) > 1:
             raise UsageError(f"label '{name}' is given twice; labels are distinct names")
+    declared_labels(names)
     if sum(name.endswith("*") for name in names) > 1:
         raise UsageError(f"one label may end with '*', not several: {', '.join(names)}")
     return names
@@ -310,6 +413,18 @@ def read_texts(table: Mapping[str, Any], key: str) -> tuple[str, ...]:
         if not isinstance(item, str):
             raise UsageError(f"'{key}' must be a list of texts; {item!r} is none")
     return tuple(given)
+
+
+def _lists(table: Mapping[str, Any], key: str) -> tuple[tuple[str, ...], ...]:
+    given = table[key]
+    if not isinstance(given, list | tuple):
+        raise UsageError(f"'{key}' must be a list of lists of texts; it is {given!r}")
+    for item in given:
+        if not isinstance(item, list | tuple) or not all(isinstance(name, str) for name in item):
+            raise UsageError(f"'{key}' must be a list of lists of texts; {item!r} is none")
+        if not item:
+            raise UsageError(f"'{key}': a problem needs at least one label; one of them has none")
+    return tuple(map(tuple, given))
 
 
 def _found(table: Mapping[str, Any], key: str) -> str:

@@ -113,7 +113,7 @@ def solve_hierarchy(
 ) -> Result:
     """The same as :func:`segment_hierarchy`, with the options in one piece."""
     check_hierarchy(hierarchy, options)
-    descent = _Descent.of(hierarchy, options, report)
+    descent = _Descent.of(hierarchy, options, Listener(report or never_stop))
     whole = descent.search(shape, hierarchy, "", start=start, freeze=freeze, pins=pins)
     return descent.merged(whole, hierarchy)
 
@@ -167,7 +167,14 @@ def refine(
     options.setdefault("seed", result.seed)
     search = SearchOptions.of(options)
     check_hierarchy(hierarchy, search)
-    descent = _Descent.of(hierarchy, search, report)
+    return divided(result, hierarchy, search, Listener(report or never_stop))
+
+
+def divided(
+    result: Result, hierarchy: Hierarchy, options: SearchOptions, listener: Listener
+) -> Result:
+    """A result of the first level of a hierarchy, with the parts segmented that it divides."""
+    descent = _Descent.of(hierarchy, options, listener)
     descent.left -= 1
     return descent.merged(result, hierarchy)
 
@@ -255,12 +262,12 @@ class _Descent:
     failure: MosegError | None = None
 
     @classmethod
-    def of(cls, hierarchy: Hierarchy, options: SearchOptions, report: Report | None) -> _Descent:
+    def of(cls, hierarchy: Hierarchy, options: SearchOptions, listener: Listener) -> _Descent:
         """A run that has not begun."""
         seconds = options.max_seconds
         return cls(
             options=options,
-            listener=Listener(report or never_stop),
+            listener=listener,
             deadline=None if seconds is None else time.monotonic() + seconds,
             left=sum(1 for _ in hierarchy.levels()),
         )

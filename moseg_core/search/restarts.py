@@ -59,10 +59,16 @@ class Listener:
 
 
 def searched_shape(shape: Shape, resolution: int | str, pins: Pins) -> Shape:
-    """The shape to search on: a coarse one where that is clearly smaller."""
+    """The shape to search on: a coarse one where that is clearly smaller.
+
+    It is kept as long as the shape, for other searches on it.
+    """
     if resolution == "full" or shape.n_elements <= _WORTH * int(resolution):
         return shape
-    coarse = coarsen(shape, int(resolution), pins=pins)
+    key = ("coarse", int(resolution), pins.elements.tobytes(), pins.labels.tobytes())
+    if key not in shape.made_from:
+        shape.made_from[key] = coarsen(shape, int(resolution), pins=pins)
+    coarse: Shape = shape.made_from[key]
     return coarse if shape.n_elements > _WORTH * coarse.n_elements else shape
 
 
