@@ -93,6 +93,7 @@ from moseg_core.search.levels import segment_hierarchy as segment_hierarchy
 from moseg_core.search.number_of_parts import segment_parts as segment_parts
 from moseg_core.search.result import Result as Result
 from moseg_core.search.segment import segment as segment
+from moseg_core.search.variants import segment_variants as segment_variants
 from moseg_core.search.workers import Workers as Workers
 from moseg_core.search.workers import available_workers as available_workers
 from moseg_core.shape.adjacency import Adjacency as Adjacency

@@ -10,13 +10,15 @@ import numpy as np
 from moseg_core.cli.console import message, print_json, print_terms
 from moseg_core.cli.flags import ProblemFlags, ShapeFlags
 from moseg_core.cli.reading import read_shape
-from moseg_core.cli.request import read_statement, read_task
+from moseg_core.cli.request import read_statement, read_variants
 from moseg_core.components.segmentation import Segmentation
 from moseg_core.errors import UsageError, unknown
 from moseg_core.io import Labelling, read_labels, read_result
 from moseg_core.io.result_json import evaluation_document
 from moseg_core.problem.hierarchy import Hierarchy
+from moseg_core.problem.label_sets import set_text
 from moseg_core.problem.statement import SEPARATOR, Statement
+from moseg_core.problem.variants import Variants
 from moseg_core.search.result import find_warnings
 from moseg_core.types import IntArray
 
@@ -42,12 +44,13 @@ def run_explain(
         if parts is None:
             raise UsageError(f"'{source}' is a shape: give the labelling to explain with --parts")
         stated = read_statement(problem_flags)
-        problem = None if stated.is_open else read_task(problem_flags)
+        variants = None if stated.is_open else read_variants(problem_flags)
         shape = read_shape(source, reading)
         labelling = read_labels(parts, shape.n_elements)
-        if problem is None:
+        if variants is None:
             stated, labelling = _numbered(stated, labelling)
-            problem = Hierarchy.of(stated)
+            variants = Variants.of(stated)
+        problem = _fitting(variants, labelling)
         if labelling.names is not None:
             problem = problem.fitted(labelling.names)
         matched = _match(labelling, problem.labels, parts)
@@ -83,6 +86,26 @@ def _numbered(stated: Statement, labelling: Labelling) -> tuple[Statement, Label
         for name, whole in zip(labelling.names, wholes, strict=True)
     )
     return stated, replace(labelling, names=names)
+
+
+def _fitting(variants: Variants, labelling: Labelling) -> Hierarchy:
+    """The problem for the label set that a labelling has, which is said where there are several."""
+    if len(variants.tasks) == 1:
+        return variants.tasks[0]
+    if labelling.names is None:
+        count = int(labelling.labels.max()) + 1
+        able = [task for task in variants.tasks if len(task.problem.labels) == count]
+        if len(able) != 1:
+            raise UsageError(
+                f"the labelling has {count} labels without names, and {len(able) or 'no'} label"
+                f" sets have as many; name the labels: --labels \"{variants.texts[-1]}\""
+            )
+        found = able[0]
+    else:
+        used = [labelling.names[k] for k in np.unique(labelling.labels)]
+        found = variants.fitting(name.partition(SEPARATOR)[0] for name in used)
+    message(f"label set: {set_text(found.problem.labels, variants.statement.labels)}")
+    return found
 
 
 def _match(labelling: Labelling, names: tuple[str, ...], path: Path) -> IntArray:

@@ -1,7 +1,7 @@
 """From options to a statement of a problem and to search options.
 
 The recipe or an earlier result gives the statement, and options replace parts of it
-(:func:`read_statement`); :func:`read_task` looks its names up.
+(:func:`read_statement`); :func:`read_variants` looks its names up.
 """
 
 from __future__ import annotations
@@ -20,15 +20,16 @@ from moseg_core.components.discovery.specs import SeederSpec
 from moseg_core.errors import UsageError
 from moseg_core.io.result_json import SavedResult, read_result
 from moseg_core.problem.full_names import meant_by_result, statement_in_full
-from moseg_core.problem.hierarchy import Hierarchy
+from moseg_core.problem.label_sets import named_sets
 from moseg_core.problem.recipe import load_recipe
 from moseg_core.problem.settings import SearchOptions
 from moseg_core.problem.statement import Statement
+from moseg_core.problem.variants import Variants
 from moseg_core.search.number_of_parts import ANY_SHAPE, numbers_to_try
 from moseg_core.search.workers import available_workers
 
 
-def read_task(flags: ProblemFlags, *, start: SavedResult | None = None) -> Hierarchy:
+def read_variants(flags: ProblemFlags, *, start: SavedResult | None = None) -> Variants:
     """The problem that the options ask for, how it is searched, and the same for its parts.
 
     Parameters
@@ -39,9 +40,11 @@ def read_task(flags: ProblemFlags, *, start: SavedResult | None = None) -> Hiera
 
     Returns
     -------
-    Hierarchy
-        Of one level where the recipe gives no problems for parts. The other options replace what
-        the recipe says of the first level. Where the number of parts is open, it is that of the
+    Variants
+        One hierarchy for each label set: a single one where no label has a count. It is of one
+        level where the recipe gives no problems for parts. The other options replace what the
+        recipe says of the first level; ``--labels`` chooses among the labels of a recipe that has
+        counts, and replaces those of others. Where the number of parts is open, it is that of the
         first number that is to be tried.
 
     Raises
@@ -49,19 +52,36 @@ def read_task(flags: ProblemFlags, *, start: SavedResult | None = None) -> Hiera
     UsageError
         Nothing says what the labels or the expression are, or anything is wrong in them.
     """
-    statement = read_statement(flags, start=start)
-    if isinstance(flags, SearchedProblemFlags) and flags.parts is not None:
-        statement = statement.with_parts(numbers_to_try(statement, flags.parts)[0])
-    task = Hierarchy.of(statement)
+    found = _chosen_sets(flags)
+    if found is None:
+        statement = read_statement(flags, start=start)
+        if isinstance(flags, SearchedProblemFlags) and flags.parts is not None:
+            statement = statement.with_parts(numbers_to_try(statement, flags.parts)[0])
+        found = Variants.of(statement)
     plane = getattr(flags, "plane", None)
     if plane is not None and not any(
-        "plane" in bound.parameters for bound in task.problem.bound_constraints
+        "plane" in bound.parameters
+        for task in found.tasks
+        for bound in task.problem.bound_constraints
     ):
         raise UsageError(
             f"--plane {plane} is given, but no constraint needs a plane; add one, such as"
-            f" --constraint 'on_plane({task.problem.labels[0]})'"
+            f" --constraint 'on_plane({found.tasks[0].problem.labels[0]})'"
         )
-    return task
+    return found
+
+
+def _chosen_sets(flags: ProblemFlags) -> Variants | None:
+    """The label sets that ``--labels`` names of those that a recipe declares; else None."""
+    if flags.recipe is None or flags.labels is None:
+        return None
+    stated = read_statement(replace(flags, labels=None))
+    sets = named_sets(_names(flags.labels), stated.labels) if stated.has_counts else None
+    return None if sets is None else Variants.of(stated, sets)
+
+
+def _names(labels: str) -> tuple[str, ...]:
+    return tuple(name.strip() for name in labels.split(","))
 
 
 def read_statement(flags: ProblemFlags, *, start: SavedResult | None = None) -> Statement:
@@ -70,11 +90,11 @@ def read_statement(flags: ProblemFlags, *, start: SavedResult | None = None) -> 
     Raises
     ------
     UsageError
-        As for :func:`read_task`, names apart, which are not looked up here.
+        As for :func:`read_variants`, names apart, which are not looked up here.
     """
     changes: dict[str, Any] = {}
     if flags.labels is not None:
-        changes["labels"] = tuple(name.strip() for name in flags.labels.split(","))
+        changes |= {"labels": _names(flags.labels), "variants": ()}
     if flags.minimize is not None:
         changes["minimize"] = flags.minimize
     if flags.embedding == "none":
@@ -156,6 +176,17 @@ def read_start(path: Path | None) -> SavedResult | None:
             " partitions; start from a result of one level"
         )
     return found
+
+
+def centered(text: str) -> list[str]:
+    """The labels that ``--centers`` names.
+
+    Examples
+    --------
+    >>> centered("head=0,1,2, body=3,4,5")
+    ['head', 'body']
+    """
+    return [piece.rpartition("=")[0].strip() for piece in text.split(",") if "=" in piece]
 
 
 def read_pins(words: Sequence[str]) -> dict[str, np.ndarray]:

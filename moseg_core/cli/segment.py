@@ -17,23 +17,27 @@ from moseg_core.cli.flags import SearchedProblemFlags, SearchFlags, ShapeFlags, 
 from moseg_core.cli.interrupt import stop_on_interrupt
 from moseg_core.cli.reading import read_shape
 from moseg_core.cli.request import (
+    centered,
     read_pins,
     read_search,
     read_start,
     read_statement,
-    read_task,
+    read_variants,
 )
 from moseg_core.clipping.clip import check_clippable
 from moseg_core.errors import MosegError, UsageError
 from moseg_core.io.files import check_output, save
-from moseg_core.io.result_json import evaluation_document
+from moseg_core.io.result_json import SavedResult, evaluation_document
 from moseg_core.io.write.formats import check_writable
+from moseg_core.problem.label_sets import set_text
 from moseg_core.problem.slow_calls import naming_slow_calls
+from moseg_core.problem.statement import SEPARATOR
+from moseg_core.problem.variants import Variants
 from moseg_core.search.clipped_result import check_components, clip
-from moseg_core.search.levels import check_hierarchy, solve_hierarchy
 from moseg_core.search.number_of_parts import TRIED, solve_parts
 from moseg_core.search.result import Result
 from moseg_core.search.segment import check_frozen, matched_centers, prepare_components
+from moseg_core.search.variants import check_variants, solve_variants, tried_sets
 
 #: Seconds after which an objective that has not answered is named.
 PATIENCE = 10.0
@@ -60,21 +64,25 @@ def run_segment(
     if problem_flags.parts is not None:
         _check_unsteered(steering)
     earlier = read_start(steering.start)
-    task = read_task(problem_flags, start=earlier)
+    pinned = read_pins(steering.pin or [])
+    frozen = [name.strip() for name in steering.freeze.split(",")] if steering.freeze else []
+    variants = read_variants(problem_flags, start=earlier)
+    if len(variants.tasks) > 1:
+        variants = _steered(variants, steering, earlier, [*pinned, *frozen])
+    task = min(variants.tasks, key=lambda task: len(task.problem.labels))
     problem = task.problem
     options = read_search(search, steering)
-    check_hierarchy(task, options)
+    check_variants(variants, options)
     if clipped:
-        check_components(prepare_components(problem, options.settled(task.search)))
-        if task.children:
-            raise UsageError("boundaries can be clipped for results of one level only, so far")
+        for each in variants.tasks:
+            check_components(prepare_components(each.problem, options.settled(each.search)))
+            if each.children:
+                raise UsageError("boundaries can be clipped for results of one level only, so far")
     start_centers = None
     if earlier is not None:
         start_centers = matched_centers(
             earlier.names, earlier.centers, problem, embedding=earlier.statement.embedding
         )
-    pinned = read_pins(steering.pin or [])
-    frozen = [name.strip() for name in steering.freeze.split(",")] if steering.freeze else []
     check_frozen(problem, frozen)
     for output in outputs:
         check_output(output)
@@ -112,9 +120,9 @@ def run_segment(
                     report=lambda progress: show(progress) or stop(),
                 )
             else:
-                result = solve_hierarchy(
+                result = solve_variants(
                     shape,
-                    task,
+                    variants,
                     options,
                     start=start_centers,
                     freeze=frozen,
@@ -127,6 +135,10 @@ def run_segment(
             result, failure = error.result, error
     for warning in result.warnings:
         message(f"warning: {warning}", quiet=quiet)
+    if sets := tried_sets(result.history):
+        wholes = [name.partition(SEPARATOR)[0] for name in result.problem.labels]
+        chosen = set_text(wholes, variants.statement.labels)
+        message(f"chosen among {len(sets)} label sets: {chosen}", quiet=quiet)
     if clipped:
         result = clip(result)
         message(_clipping_summary(result), quiet=quiet)
@@ -145,6 +157,17 @@ def run_segment(
         raise failure
     if result.reason == "interrupted":
         raise KeyboardInterrupt
+
+
+def _steered(
+    variants: Variants, steering: SteeringFlags, earlier: SavedResult | None, named: list[str]
+) -> Variants:
+    """The label sets that have the labels which are steered, and no others where all must be."""
+    if earlier is not None:
+        variants = variants.having(earlier.names, "--start", exactly=True)
+    if steering.centers is not None:
+        variants = variants.having(centered(steering.centers), "--centers", exactly=True)
+    return variants.having(named, "--pin and --freeze") if named else variants
 
 
 def _check_unsteered(steering: SteeringFlags) -> None:
@@ -189,10 +212,23 @@ def _summary(result: Result) -> dict[str, Any]:
         ],
         "dimension": {"free": result.dimension[0], "all": result.dimension[1]},
         **({"numbers": list(result.history[TRIED])} if TRIED in result.history else {}),
+        **({"label_sets": sets} if (sets := tried_sets(result.history)) else {}),
         "seed": result.seed,
         "reason": result.reason,
         "warnings": list(result.warnings),
     }
+
+
+def _sets_table(sets: Mapping[str, Mapping[str, float]]) -> Table:
+    """What each label set that was tried came to."""
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    table.add_column("labels", overflow="fold")
+    for heading in ("typical cost", "cost", "empty"):
+        table.add_column(heading, justify="right")
+    for text, record in sets.items():
+        empty = f"{record['empty']}" if record["empty"] else ""
+        table.add_row(text, f"{record['typical cost']:.6f}", f"{record['cost']:.6f}", empty)
+    return table
 
 
 def _numbers_table(records: Sequence[Mapping[str, float]]) -> Table:
@@ -210,6 +246,9 @@ def _print_tables(result: Result) -> None:
     out = console(sys.stdout)
     if TRIED in result.history:
         out.print(_numbers_table(result.history[TRIED]))
+        out.print()
+    if sets := tried_sets(result.history):
+        out.print(_sets_table(sets))
         out.print()
     parts = Table(box=None, pad_edge=False, header_style="bold")
     parts.add_column("part")

@@ -15,7 +15,7 @@ from __future__ import annotations
 import itertools
 import math
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from moseg_core.errors import UsageError, unknown
@@ -190,19 +190,53 @@ def label_sets(
             f" {MOST_SETS} that can be tried; narrow the counts, or list the sets that occur:"
             f' variants = [["torso", "leg{{4}}"], ["torso", "leg{{4}}", "tail"]]'
         )
+    found = [one_set for line in lines for one_set in _combinations(line, declared, names)]
+    for one_set in found if variants else ():
+        _check_allowed(one_set, declared, labels)
+    return tuple(dict.fromkeys(found))
+
+
+def named_sets(given: Sequence[str], labels: Sequence[str]) -> tuple[LabelSet, ...] | None:
+    """The label sets that labels with counts stand for among those that others declare.
+
+    Parameters
+    ----------
+    given : sequence of str
+        With or without counts, which need not be among those of `labels`.
+    labels : sequence of str
+        What is declared.
+
+    Returns
+    -------
+    tuple of tuple of str, or None
+        None where something is not declared.
+
+    Examples
+    --------
+    >>> named_sets(["torso", "leg{1}"], ["torso", "leg{2..4}", "tail"])
+    (('torso', 'leg1'),)
+    >>> named_sets(["torso", "wing"], ["torso", "leg{2..4}"]) is None
+    True
+    """
+    declared, names = [read_label(label) for label in labels], declared_labels(labels)
+    try:
+        line = _line(given, declared, names)
+    except UsageError:
+        return None
+    return tuple(dict.fromkeys(_combinations(line, declared, names)))
+
+
+def _combinations(
+    line: Sequence[CountedLabel], declared: Sequence[CountedLabel], names: LabelSet
+) -> Iterator[LabelSet]:
+    """The sets that labels with counts stand for, numbered as the declared ones; none is empty."""
     numbered = {label.stem: label.names for label in declared}
-    found: dict[LabelSet, None] = {}
-    for line in lines:
-        for counts in itertools.product(*(range(one.least, one.most + 1) for one in line)):
-            members: set[str] = set()
-            for label, k in zip(line, counts, strict=True):
-                members.update(numbered.get(label.stem, label.names)[:k])
-            one_set = tuple(name for name in names if name in members)
-            if variants:
-                _check_allowed(one_set, declared, labels)
-            if one_set:
-                found[one_set] = None
-    return tuple(found)
+    for counts in itertools.product(*(range(one.least, one.most + 1) for one in line)):
+        members: set[str] = set()
+        for label, k in zip(line, counts, strict=True):
+            members.update(numbered.get(label.stem, label.names)[:k])
+        if members:
+            yield tuple(name for name in names if name in members)
 
 
 def set_text(names: Iterable[str], labels: Sequence[str]) -> str:

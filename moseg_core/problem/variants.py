@@ -91,6 +91,8 @@ class Variants:
         >>> Variants.of(stated).short_texts
         ('leg{3}', 'leg{4}')
         """
+        if len(self.tasks) == 1:
+            return self.texts
         found: list[list[str]] = [[] for _ in self.tasks]
         for label in self.statement.labels:
             words = [set_text(task.problem.labels, [label]) for task in self.tasks]

@@ -26,9 +26,10 @@ from moseg_core.problem.hierarchy import Hierarchy
 from moseg_core.problem.recipe import Recipe, load_recipe
 from moseg_core.problem.settings import OptionValues, SearchOptions
 from moseg_core.problem.statement import Statement
-from moseg_core.search.levels import check_hierarchy, joint_reason, solve_hierarchy
+from moseg_core.search.alternatives import chosen_among
+from moseg_core.search.levels import check_hierarchy, solve_hierarchy
 from moseg_core.search.restarts import Listener
-from moseg_core.search.result import Result, end_warnings, find_warnings
+from moseg_core.search.result import Result, find_warnings
 from moseg_core.shape.shape import Shape
 
 ANY_SHAPE = "basic:any_shape"
@@ -209,15 +210,11 @@ class _Trial:
 
     def best(self) -> Result:
         """The result of least cost, with a record of each number and why the whole trial ended."""
-        best = min(self.found, key=lambda result: result.evaluation.cost)
-        reasons = [result.reason for result in self.found]
-        reason = "failed" if self.failure is not None else joint_reason(reasons)
-        others = (text for text in best.warnings if text not in end_warnings(best.reason))
-        return replace(
-            best,
-            reason=reason,
-            warnings=(*end_warnings(reason), *others),
-            history={**best.history, TRIED: tuple(map(_record, self.found))},
+        return chosen_among(
+            min(self.found, key=lambda result: result.evaluation.cost),
+            self.found,
+            failed=self.failure is not None,
+            tried={TRIED: tuple(map(_record, self.found))},
         )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from moseg_core.cli.flags import ProblemFlags, SearchedProblemFlags, SearchFlags, SteeringFlags
-from moseg_core.cli.request import read_pins, read_search, read_statement, read_task
+from moseg_core.cli.request import read_pins, read_search, read_statement, read_variants
 from moseg_core.components.chosen import Choice
 from moseg_core.errors import UsageError
 from moseg_core.language import Target
@@ -50,7 +50,7 @@ def test_without_a_recipe_labels_and_expression_are_needed():
 def test_a_plane_that_nothing_needs_is_an_error():
     flags = SearchedProblemFlags(labels="a,b", minimize="narrow(a)", plane="x")
     with pytest.raises(UsageError, match=r"--plane x .* such as --constraint 'on_plane\(a\)'"):
-        read_task(flags)
+        read_variants(flags)
 
 
 def test_centres_by_hand_are_a_seeder():
