@@ -12,13 +12,19 @@ import itertools
 import statistics
 import time
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
-from moseg_benchmark.label_matching import IntArray, Naming, labels_by_overlap, labels_of_names
+from moseg_benchmark.label_matching import (
+    IntArray,
+    Naming,
+    fitting_set,
+    labels_by_overlap,
+    labels_of_names,
+)
 from moseg_benchmark.psb import Model
 from moseg_core import (
     Hierarchy,
@@ -30,7 +36,7 @@ from moseg_core import (
     UsageError,
     load,
     read_labels,
-    segment_hierarchy,
+    segment_variants,
 )
 from moseg_core.agreement import named_right, rand_index_error
 
@@ -162,21 +168,22 @@ def _measure(
         labels = cluster(shape, round(statistics.median(len(np.unique(p)) for p in people)))
         return {"rand_index_error": _error_against(labels, people)}, labels
     assert case.recipe is not None  # everything else has one
-    task = case.recipe.hierarchy()
+    tasks = case.recipe.hierarchies()
     named = _named_parts(case, shape)
     if case.method == COSTS:
-        return _costs(case, shape, task, named, people), None
+        return _costs(case, shape, tasks, named, people), None
     began = time.perf_counter()
-    result = segment_hierarchy(
+    result = segment_variants(
         shape,
-        task,
+        case.recipe,
         settings=case.method,
         seed=case.seed,
         report=report,
     )
     seconds = time.perf_counter() - began
+    leaves = all_leaves(case.recipe)
     # A part that could not be divided is that of its first leaf.
-    first = [task.first_leaf(name) for name in result.problem.labels]
+    first = [leaves.index(_first_leaf(tasks, name)) for name in result.problem.labels]
     labels = np.array(first)[result.labels]
     values: dict[str, Any] = {
         "rand_index_error": _error_against(labels, people),
@@ -184,26 +191,37 @@ def _measure(
         "cost": result.cost,
         "empty": len(result.evaluation.empty),
     }
-    wanted = _wanted(case, shape, task, named)
+    wanted = _wanted(case, shape, tasks, named)
     if wanted is not None:
         values["named_right"] = named_right(
             result.labels.astype(np.int64),
             result.problem.labels,
-            wanted,
-            task.labels,
+            *wanted,
             shape.areas,
         )
     return values, labels
 
 
+def all_leaves(recipe: Recipe) -> list[str]:
+    """The labels that a recipe's results can have, of whichever label set; each once."""
+    return list(dict.fromkeys(leaf for task in recipe.hierarchies() for leaf in task.labels))
+
+
+def _first_leaf(tasks: Sequence[Hierarchy], name: str) -> str:
+    """The leaf of a label, or the first below it."""
+    task = next(t for t in tasks if name.partition("/")[0] in t.problem.labels)
+    return task.labels[task.first_leaf(name)]
+
+
 def _wanted(
-    case: BenchmarkCase, shape: Shape, task: Hierarchy, named: Labelling | None
-) -> IntArray | None:
+    case: BenchmarkCase, shape: Shape, tasks: Sequence[Hierarchy], named: Labelling | None
+) -> tuple[IntArray, tuple[str, ...]] | None:
     """The recipe's labels of the named parts; None where it has no label for some of them."""
     if named is None or named.names is None:
         return None
     try:
-        return labels_of_names(shape, named, task.labels, case.naming)
+        task = tasks[fitting_set(shape, named, [t.labels for t in tasks], case.naming)]
+        return labels_of_names(shape, named, task.labels, case.naming), task.labels
     except UsageError:
         return None
 
@@ -252,13 +270,14 @@ def cluster(shape: Shape, n: int) -> IntArray:
 def _costs(
     case: BenchmarkCase,
     shape: Shape,
-    task: Hierarchy,
+    tasks: Sequence[Hierarchy],
     named: Labelling | None,
     people: list[IntArray],
 ) -> dict[str, Any]:
-    """What the named parts, and each person's, cost under the recipe."""
+    """What the named parts, and each person's, cost under the recipe for their label set."""
     if named is None:
         raise UsageError("there are no named parts, which the recipe's labels could be given to")
+    task = tasks[fitting_set(shape, named, [t.labels for t in tasks], case.naming)]
     labels = labels_of_names(shape, named, task.labels, case.naming)
     of_names = task.evaluate(shape, labels)
     costs, incomplete = [], 0

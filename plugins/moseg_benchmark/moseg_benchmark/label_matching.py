@@ -8,6 +8,8 @@ area that is *named right* is that of the same labels:
 - named parts get the recipe's label of the same kind, or where it has none, of the kind that they
   belong to (:class:`Naming`); where the recipe has several labels of the kind, they go to the
   connected pieces, largest first, and further pieces to the nearest of those;
+- of a recipe whose labels have counts that label set is taken which comes nearest to the pieces
+  that there are (:func:`fitting_set`);
 - a person's part, which has no name, gets the label of the named part that most of its area is in.
 """
 
@@ -21,6 +23,9 @@ import numpy.typing as npt
 
 from moseg_core import Labelling, Shape, UsageError, unknown
 from moseg_core.agreement import fold
+
+#: Below this share of the whole area a piece is no part of its own.
+_SPECK = 0.002
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -96,6 +101,72 @@ def labels_of_names(
         instances = [k for k, other in enumerate(kinds) if other == kind]
         matched[elements] = np.array(instances)[_pieces(shape, elements, len(instances))]
     return matched
+
+
+def fitting_set(
+    shape: Shape, named: Labelling, sets: Sequence[Sequence[str]], naming: Naming
+) -> int:
+    """Which of several label sets of a recipe fits named parts best.
+
+    Parameters
+    ----------
+    shape : Shape
+    named : Labelling
+        With names.
+    sets : sequence of sequence of str
+        The labels of each.
+    naming : Naming
+
+    Returns
+    -------
+    int
+        The number of the set whose labels of each kind are nearest in number to the connected
+        pieces of that kind, specks left out; the first of several.
+
+    Raises
+    ------
+    UsageError
+        A name that no set has a label for.
+    """
+    failure: UsageError | None = None
+    misfits: dict[int, int] = {}
+    for k, labels in enumerate(sets):
+        try:
+            misfits[k] = _misfit(shape, named, labels, naming)
+        except UsageError as error:
+            failure = failure or error
+    if failure is not None and not misfits:
+        raise failure
+    return min(misfits, key=lambda k: misfits[k])
+
+
+def _misfit(shape: Shape, named: Labelling, labels: Sequence[str], naming: Naming) -> int:
+    """How many pieces have no label of their own, and labels no piece."""
+    names = named.names or ()
+    used = np.unique(named.labels)
+    # The pieces of a name that has become part of another kind are no instances of that kind.
+    own = {fold(label) for label in labels}
+    pieces = dict.fromkeys(own, 0)
+    misfit = 0
+    for name in sorted({names[k] for k in used}):
+        kind = naming.kind(name, labels)
+        elements = np.flatnonzero(np.isin(named.labels, [k for k in used if names[k] == name]))
+        count = _count_pieces(shape, elements)
+        if kind == fold(name):
+            pieces[kind] += count
+        else:
+            misfit += count
+    wanted = [fold(label) for label in labels]
+    return misfit + sum(abs(pieces[kind] - wanted.count(kind)) for kind in own)
+
+
+def _count_pieces(shape: Shape, elements: IntArray) -> int:
+    """The number of connected pieces that are no specks, at least one."""
+    if shape.adjacency is None:
+        return 1
+    count, component = shape.adjacency.components(elements)
+    areas = np.bincount(component, shape.areas[elements], count)
+    return max(1, int((areas >= _SPECK * shape.area).sum()))
 
 
 def _pieces(shape: Shape, elements: IntArray, n: int) -> IntArray:

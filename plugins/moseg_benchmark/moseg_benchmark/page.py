@@ -13,7 +13,7 @@ from urllib.parse import quote
 
 import numpy as np
 
-from moseg_benchmark.cases import BenchmarkCase, CaseResult
+from moseg_benchmark.cases import BenchmarkCase, CaseResult, all_leaves
 from moseg_benchmark.label_matching import IntArray
 from moseg_benchmark.tables import Table
 from moseg_core import load, read_labels, render_picture, write_file
@@ -50,7 +50,7 @@ def draw_case(case: BenchmarkCase, labels: IntArray, folder: Path) -> list[str]:
     assert case.recipe is not None  # a search has one
     shape = load(case.model.mesh)
     title = f"{case.model.number}, {case.recipe.name}, {case.method}, seed {case.seed}"
-    leaves = case.recipe.hierarchy().labels
+    leaves = all_leaves(case.recipe)
     picture = render_picture(shape.geometry, labels, leaves, title=title, size=_SIZE)
     names = [f"{case.key}.png"]
     write_file(folder / names[0], picture)

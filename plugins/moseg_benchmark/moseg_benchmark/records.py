@@ -63,7 +63,8 @@ def _versions(case: BenchmarkCase) -> dict[str, str]:
     # Any objective or constraint may ask a part for a measure of any bundle, and none says which.
     versions |= {c.id: c.distribution for c in registry().components("measure")}
     if case.recipe is not None:
-        versions |= case.recipe.hierarchy().versions
+        for task in case.recipe.hierarchies():
+            versions |= task.versions
     return versions
 
 

@@ -60,9 +60,9 @@ class BenchmarkRequest:
 
     def __post_init__(self) -> None:
         for recipe in self.recipes.values():
-            task = recipe.hierarchy()
-            for settings in self.settings:
-                check_hierarchy(task, SearchOptions(settings=settings))
+            for task in recipe.hierarchies():
+                for settings in self.settings:
+                    check_hierarchy(task, SearchOptions(settings=settings))
 
 
 def all_cases(request: BenchmarkRequest) -> list[BenchmarkCase]:
