@@ -98,7 +98,7 @@ def _fitting(variants: Variants, labelling: Labelling) -> Hierarchy:
         if len(able) != 1:
             raise UsageError(
                 f"the labelling has {count} labels without names, and {len(able) or 'no'} label"
-                f" sets have as many; name the labels: --labels \"{variants.texts[-1]}\""
+                f' sets have as many; name the labels: --labels "{variants.texts[-1]}"'
             )
         found = able[0]
     else:

@@ -223,11 +223,13 @@ def _sets_table(sets: Mapping[str, Mapping[str, float]]) -> Table:
     """What each label set that was tried came to."""
     table = Table(box=None, pad_edge=False, header_style="bold")
     table.add_column("labels", overflow="fold")
-    for heading in ("typical cost", "cost", "empty"):
+    for heading in ("typical cost", "cost", "empty", ""):
         table.add_column(heading, justify="right")
     for text, record in sets.items():
         empty = f"{record['empty']}" if record["empty"] else ""
-        table.add_row(text, f"{record['typical cost']:.6f}", f"{record['cost']:.6f}", empty)
+        brief = "" if record.get("finalist", 1) else "brief search"
+        costs = [f"{record[key]:.6f}" for key in ("typical cost", "cost")]
+        table.add_row(text, *costs, empty, brief)
     return table
 
 

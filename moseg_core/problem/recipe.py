@@ -42,8 +42,8 @@ a name (:mod:`moseg_core.problem.hierarchy`). They are given for labels and glob
     recipe = "./leg.toml"                   # or the name of an installed one
 
 The members of a kind of shape may differ. Labels then have counts, and all combinations of these
-are searched for (:mod:`moseg_core.problem.label_sets`); or the label sets that occur are listed, and
-``labels`` can be left out, since they follow::
+are searched for (:mod:`moseg_core.problem.label_sets`); or the label sets that occur are listed,
+and ``labels`` can be left out, since they follow::
 
     labels = ["torso", "leg{2..4}", "tail{0..1}"]
 

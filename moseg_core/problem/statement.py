@@ -10,9 +10,9 @@ written to each of them. Two statements that are equal ask for the same, and
 :meth:`Statement.digest` tells in a few characters whether they do.
 
 A statement may be *open*: one of its labels, ``part*``, stands for as many as whoever asks wants
-(:meth:`Statement.with_parts`). Or its labels have counts, ``leg{2..5}``, and it stands for a problem
-for each of several label sets (:mod:`moseg_core.problem.label_sets`). A statement that is neither is
-*closed*.
+(:meth:`Statement.with_parts`). Or its labels have counts, ``leg{2..5}``, and it stands for a
+problem for each of several label sets (:mod:`moseg_core.problem.label_sets`). A statement that is
+neither is *closed*.
 
 No name is looked up here: that is what a :class:`~moseg_core.problem.problem.Problem` is made for,
 and so a statement can be read, shown and compared where its bundles are not installed.
@@ -209,9 +209,9 @@ class Statement:
         >>> stated.label_sets()
         (('torso', 'leg1'), ('torso', 'leg1', 'leg2'))
         """
-        labels = check_label_names(self.labels, may_be_open=True)
         for variant in self.variants:
             check_label_names(variant, may_be_open=True)
+        labels = check_label_names(self.labels, may_be_open=True)
         if self.is_open and self.has_counts:
             raise UsageError(
                 f"labels have a star or counts, not both: {', '.join(labels)}; write"

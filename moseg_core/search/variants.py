@@ -10,8 +10,10 @@ that the label set has too many labels.
 
 The label sets share what one search would have: the starts that nobody gave a number for, the
 seconds, the processes, which take label sets side by side; and the shape with its coarse version,
-fields and neighbours, which are computed once. Label sets compete on the first level; the parts of
-the winner are then divided, where they are.
+fields and neighbours, which are computed once. Of more than four, all are searched for briefly, by
+the components' own parameters for the settings from one start, and the better half goes on to the
+search that was asked for. Label sets compete on the first level; the parts of the winner are then
+divided, where they are.
 """
 
 from __future__ import annotations
@@ -19,20 +21,20 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, Unpack
 
 import numpy as np
 import numpy.typing as npt
 
-from moseg_core.components.chosen import Choice
+from moseg_core.components.chosen import Choice, prepare
 from moseg_core.components.protocols import Centers, Progress, Report, never_stop
 from moseg_core.errors import MosegError, UsageError
 from moseg_core.problem.aggregate import Evaluation
 from moseg_core.problem.hierarchy import Hierarchy
 from moseg_core.problem.problem import Problem
 from moseg_core.problem.recipe import Recipe, load_recipe
-from moseg_core.problem.settings import Method, OptionValues, SearchOptions
+from moseg_core.problem.settings import NO_REFINER, Method, OptionValues, SearchOptions
 from moseg_core.problem.statement import Statement
 from moseg_core.problem.variants import Variants, parameterization_of
 from moseg_core.search.alternatives import chosen_among
@@ -47,6 +49,12 @@ from moseg_core.types import FloatArray
 
 TRIED = "labels "
 """What the stages of the history begin with that have the record of a label set that was tried."""
+
+
+#: More label sets than this are tried briefly first, and the better half goes on.
+_FEW = 4
+#: How long a search takes beside a brief one, when they share the seconds.
+_LONGER = 3
 
 
 def segment_variants(
@@ -96,12 +104,12 @@ def segment_variants(
     >>> import moseg_core as moseg
     >>> hammer = moseg.load(moseg.sample_path("hammer"))
     >>> stated = moseg.Statement(
-    ...     labels=("handle", "head", "claw{0..2}"),
-    ...     minimize="is(handle, area=0.6+-0.1) + is(head, area=0.4+-0.1) + is(claw*, area=0.4+-0.1)",
+    ...     labels=("handle", "head{1..3}"),
+    ...     minimize="is(handle, area=0.6+-0.1) + is(head*, area=0.4+-0.1)",
     ... )
     >>> result = moseg.segment_variants(hammer, stated, seeder="kmeans", restarts=1)
     >>> list(result.parts)
-    ['handle', 'head']
+    ['handle', 'head1']
     """
     if isinstance(recipe, str):
         recipe = load_recipe(recipe)
@@ -192,30 +200,21 @@ def solve_variants(
     listener = Listener(report or never_stop)
     trial = _Trial.of(shape, variants, options, more)
     began = time.monotonic()
-    outcomes = trial.run(listener)
-    found = [
-        (task, outcome.result(shape, task.problem))
-        for task, outcome in zip(variants.tasks, outcomes, strict=False)
-        if outcome.record
-    ]
-    failure = next((o.failure for o in outcomes if o.failure is not None), None)
-    if not found:
-        assert failure is not None  # the first label set is always tried
-        raise failure
-    scores = {id(result): score(result) for _, result in found}
-    best_task, best = min(found, key=lambda pair: scores[id(pair[1])])
-    texts = dict(zip(variants.tasks, variants.texts, strict=True))
+    trial.run(listener)
+    if not trial.found:
+        assert trial.failure is not None  # the first label set is always tried
+        raise trial.failure
+    best = trial.best()
     chosen = chosen_among(
-        best,
-        [result for _, result in found],
-        failed=failure is not None,
-        tried={
-            TRIED + texts[task]: (_record(result, scores[id(result)]),) for task, result in found
-        },
+        trial.found[best],
+        [trial.found[k] for k in (trial.finalists or trial.found)],
+        failed=trial.failure is not None,
+        tried={TRIED + variants.texts[k]: (trial.record(k),) for k in sorted(trial.found)},
     )
-    if failure is not None:
-        failure.result = chosen
-        raise failure
+    if trial.failure is not None:
+        trial.failure.result = chosen
+        raise trial.failure
+    best_task = variants.tasks[best]
     if not best_task.children:
         return chosen
     if options.max_seconds is not None:
@@ -271,21 +270,24 @@ class _Outcome:
 
     Parameters
     ----------
+    number : int
+        Of the label set.
     record : dict
         The fields of the result, without the shape and the problem; empty where there is none.
     failure : MosegError or None
     """
 
+    number: int
     record: dict[str, Any]
     failure: MosegError | None = None
 
     @classmethod
-    def of(cls, result: Result | None, failure: MosegError | None = None) -> _Outcome:
+    def of(cls, number: int, result: Result | None, failure: MosegError | None = None) -> _Outcome:
         """That of a search."""
         if failure is not None:
             failure.result = None
         if result is None:
-            return cls({}, failure)
+            return cls(number, {}, failure)
         names = (
             "labels",
             "evaluation",
@@ -298,16 +300,16 @@ class _Outcome:
             "dimension",
             "warnings",
         )
-        return cls({name: getattr(result, name) for name in names}, failure)
+        return cls(number, {name: getattr(result, name) for name in names}, failure)
 
     def result(self, shape: Shape, problem: Problem) -> Result:
         """The result again."""
         return Result(shape=shape, problem=problem, **self.record)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(kw_only=True)
 class _Trial:
-    """The searches for all label sets.
+    """The searches for all label sets, and what they have found so far.
 
     Parameters
     ----------
@@ -320,6 +322,12 @@ class _Trial:
         How many label sets are searched for side by side.
     deadline : float or None
         On the clock of :func:`time.monotonic`.
+    found : dict of int to Result
+        By the number of the label set.
+    finalists : list of int
+        Which went on, where all were tried briefly first.
+    failure : MosegError or None
+        What kept the others from being tried.
     """
 
     shape: Shape
@@ -328,6 +336,9 @@ class _Trial:
     more: Mapping[str, Any]
     processes: int
     deadline: float | None
+    found: dict[int, Result] = field(default_factory=dict)
+    finalists: list[int] = field(default_factory=list)
+    failure: MosegError | None = None
 
     @classmethod
     def of(
@@ -344,25 +355,74 @@ class _Trial:
             deadline=None if seconds is None else time.monotonic() + seconds,
         )
 
-    def run(self, listener: Listener) -> list[_Outcome]:
+    def run(self, listener: Listener) -> None:
         """Search for one label set after the other, or several at a time."""
         if self.processes > 1:
             self._prepare()
+        every = list(range(len(self.variants.tasks)))
         with Workers({"search": self.search}, self.processes, listener) as pool:
-            return pool.map(
-                "search",
-                [(k,) for k in range(len(self.variants.tasks))],
-                enough=lambda k, outcome: outcome.failure is not None,
-            )
+            if len(every) > _FEW and self.options.settings == "default":
+                half = math.ceil(len(every) / 2)
+                self._take(every, pool, brief=True, later=half)
+                if self.failure is not None or listener.stopped:
+                    return
+                ranked = sorted(self.found, key=lambda k: score(self.found[k]))
+                every = self.finalists = sorted(ranked[:half])
+            self._take(every, pool, brief=False, later=0)
 
-    def search(self, k: int, *, report: Report) -> _Outcome:
-        """Search for one label set, in its share of the time that is left."""
+    def _take(self, numbers: Sequence[int], pool: Workers, *, brief: bool, later: int) -> None:
+        """Search for certain label sets, before so many others."""
+        todo = len(numbers)
+        outcomes: list[_Outcome] = pool.map(
+            "search",
+            [(k, brief, todo - place, later) for place, k in enumerate(numbers)],
+            enough=lambda place, outcome: outcome.failure is not None,
+        )
+        for outcome in outcomes:
+            if outcome.record:
+                task = self.variants.tasks[outcome.number]
+                self.found[outcome.number] = outcome.result(self.shape, task.problem)
+            self.failure = self.failure or outcome.failure
+
+    def best(self) -> int:
+        """The number of the label set to take, of those that went on."""
+        return min(self.finalists or self.found, key=lambda k: score(self.found[k]))
+
+    def record(self, k: int) -> dict[str, float]:
+        """What a label set came to."""
+        result = self.found[k]
+        empty, typical = score(result)
+        return {
+            "parts": len(result.problem.labels),
+            "cost": result.evaluation.cost.value,
+            "typical cost": typical,
+            "empty": empty,
+            **({"finalist": int(k in self.finalists)} if self.finalists else {}),
+        }
+
+    def search(self, k: int, brief: bool, todo: int, later: int, *, report: Report) -> _Outcome:
+        """Search for one label set, in its share of the time that is left.
+
+        Parameters
+        ----------
+        k : int
+        brief : bool
+            Whether by the components' own parameters, from one start.
+        todo, later : int
+            How many are to be searched for in this way from here on, and in full afterwards.
+        report : callable
+        """
         task, name = self.variants.tasks[k], self.variants.short_texts[k]
         mine = for_task(self.options, task, self.variants)
+        method = _shared_starts(task, mine, len(self.variants.tasks))
+        level = self.shape
+        if brief:
+            level = self._level(task)
+            mine, method = _brief(mine, method, task, coarse=level is not self.shape), Method()
         if self.processes > 1:
             mine = replace(mine, workers=1)
         if self.deadline is not None:
-            rounds = math.ceil((len(self.variants.tasks) - k) / self.processes)
+            rounds = math.ceil(todo / self.processes) + _LONGER * math.ceil(later / self.processes)
             inner = sum(1 for _ in task.levels()) - 1
             left = max(0.0, self.deadline - time.monotonic())
             mine = replace(mine, max_seconds=left / (rounds + inner))
@@ -371,18 +431,29 @@ class _Trial:
             return report(replace(progress, stage=f"{name}: {progress.stage}"))
 
         try:
-            return _Outcome.of(
-                solve(
-                    self.shape,
-                    task.problem,
-                    mine,
-                    defaults=_shared_starts(task, mine, len(self.variants.tasks)),
-                    report=named,
-                    **self.more,
-                )
-            )
+            found = solve(level, task.problem, mine, defaults=method, report=named, **self.more)
         except MosegError as error:
-            return _Outcome.of(error.result, error)
+            found = error.result
+            return _Outcome.of(k, None if found is None else self._on_input(found), error)
+        return _Outcome.of(k, self._on_input(found))
+
+    def _level(self, task: Hierarchy) -> Shape:
+        """What a brief search is done on: super-elements alone, unless elements are pinned."""
+        if self.more["pins"]:
+            return self.shape
+        embedded = task.problem.embed(self.shape)
+        resolution = self.options.settled(task.search).resolution
+        level = searched_shape(embedded, resolution, NO_PINS)
+        return self.shape if level is embedded else level
+
+    def _on_input(self, result: Result) -> Result:
+        """A result on super-elements as one on input elements."""
+        members = result.shape.members
+        if result.shape is self.shape or members is None:
+            return result
+        labels = result.labels[members]
+        evaluation = result.problem.evaluate(self.shape, labels)
+        return replace(result, shape=self.shape, labels=labels, evaluation=evaluation)
 
     def _prepare(self) -> None:
         """Compute what all processes need, before there are any.
@@ -397,11 +468,7 @@ class _Trial:
             if not new:
                 continue
             asked |= new
-            settled = self.options.settled(task.search)
-            embedded = problem.embed(self.shape)
-            level = embedded
-            if not self.more["pins"]:
-                level = searched_shape(embedded, settled.resolution, NO_PINS)
+            level = problem.embed(self._level(task))
             order = np.argsort(level.points[:, 0], kind="stable")
             slabs = np.empty(level.n_elements, np.int64)
             slabs[order] = np.arange(level.n_elements) * len(problem.labels) // level.n_elements
@@ -429,11 +496,27 @@ def _shared_starts(task: Hierarchy, options: SearchOptions, count: int) -> Metho
     return replace(task.search, restarts=max(1, starts // count))
 
 
-def _record(result: Result, scored: tuple[int, float]) -> dict[str, float]:
-    empty, typical = scored
-    return {
-        "parts": len(result.problem.labels),
-        "cost": result.evaluation.cost.value,
-        "typical cost": typical,
-        "empty": empty,
-    }
+def _brief(
+    options: SearchOptions, method: Method, task: Hierarchy, *, coarse: bool
+) -> SearchOptions:
+    """A short search: the components that were chosen, with their own parameters, from one start.
+
+    On super-elements there is nothing to polish. Parameters of the parameterization stay: they say
+    what is searched for.
+    """
+    settled = options.over(method).settled()
+    optimizer = Choice(settled.optimizer.name)
+    if coarse:
+        ready = prepare(optimizer, "optimizer", task.registry).tuned("default").tuned("coarse")
+        optimizer = Choice(settled.optimizer.name, ready.parameters)
+    return replace(
+        options,
+        parameterization=settled.parameterization,
+        seeder=Choice(settled.seeder.name),
+        labeler=Choice(settled.labeler.name),
+        optimizer=optimizer,
+        refiner=NO_REFINER,
+        resolution="full" if coarse else settled.resolution,
+        restarts=1,
+        finalists=1,
+    )
