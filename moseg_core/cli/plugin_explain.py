@@ -148,6 +148,8 @@ def _facts(explained: Explained) -> dict[str, str]:
             facts["cannot be used"] = str(problem)
         else:
             facts["labels"] = ", ".join(recipe.labels)
+            if recipe.statement.variants:
+                facts["variants"] = "; ".join(map(", ".join, recipe.statement.variants))
             number = " --parts 5" if recipe.statement.is_open else ""
             facts["to use it"] = f"moseg segment SHAPE --recipe {component.id}{number} -o x.png"
         facts["its text"] = f"moseg recipes {component.id}"

@@ -38,15 +38,19 @@ def run_recipes(name: str | None, *, as_json: bool) -> None:
         description = (
             Text(recipe.description) if recipe else Text(f"cannot be used: {problem}", "red")
         )
-        table.add_row(Text(called), Text(component.bundle), _how_many(recipe), description)
+        table.add_row(Text(called), Text(component.bundle), how_many(recipe), description)
     console(sys.stdout).print(table)
 
 
-def _how_many(recipe: Recipe | None) -> str:
+def how_many(recipe: Recipe | None) -> str:
     """How many parts a recipe cuts the whole into."""
     if recipe is None:
         return ""
-    return "any" if recipe.statement.is_open else str(len(recipe.labels))
+    if recipe.statement.is_open:
+        return "any"
+    counts = [len(names) for names in recipe.statement.label_sets()]
+    least, most = min(counts), max(counts)
+    return str(least) if least == most else f"{least} to {most}"
 
 
 def _text(component: Component) -> str:
@@ -83,6 +87,7 @@ def _document(component: Component, recipe: Recipe | None, problem: str | None) 
         "problem": problem,
         "description": recipe.description if recipe else None,
         "labels": list(recipe.labels) if recipe else None,
+        "variants": [list(one) for one in recipe.statement.variants] if recipe else None,
         "minimize": recipe.minimize if recipe else None,
         "parts": [label for label, _ in recipe.statement.parts] if recipe else None,
     }

@@ -245,7 +245,8 @@ def score(result: Result) -> tuple[int, float]:
     """What label sets are compared by: empty parts and broken pins, then the typical cost."""
     problem = result.problem
     assert isinstance(problem, Problem)  # the first level alone
-    areas = np.bincount(result.labels, result.shape.areas, minlength=len(problem.labels))
+    areas = np.zeros(len(problem.labels))
+    np.add.at(areas, result.labels, result.shape.areas)
     return result.evaluation.cost.empty, typical_cost(problem, result.evaluation, areas)
 
 

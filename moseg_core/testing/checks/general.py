@@ -24,6 +24,7 @@ from moseg_core.components.objectives import COST_ORDER, Arity, Traits
 from moseg_core.components.parameters import Parameter
 from moseg_core.problem.problem import Problem
 from moseg_core.problem.recipe import load_recipe
+from moseg_core.problem.variants import closed_statements
 from moseg_core.testing.check import ContractFailure, Skip, Subject, check
 from moseg_core.testing.fixtures.problems import constraints_on, evaluator_on
 from moseg_core.testing.fixtures.shapes import lump, twin
@@ -85,7 +86,8 @@ def _signature_fits(subject: Subject) -> None:
         stated = load_recipe(subject.component.id, source=subject.registry).statement
         # Of an open recipe two parts are numbered: words about several parts need as many.
         several = stated.with_parts(len(stated.labels) + 1) if stated.is_open else stated
-        Problem.of(several, registry=subject.registry)
+        for closed in closed_statements(several, source=subject.registry):
+            Problem.of(closed, registry=subject.registry)
     if kind in _CALLED:
         _binds(target, *_CALLED[kind], who=f"the target '{subject.component.spec.target}'")
     try:

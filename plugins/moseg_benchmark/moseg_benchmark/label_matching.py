@@ -120,8 +120,9 @@ def fitting_set(
     Returns
     -------
     int
-        The number of the set whose labels of each kind are nearest in number to the connected
-        pieces of that kind, specks left out; the first of several.
+        The number of the set that has labels of most of the names, and of those the one whose
+        labels of each kind are nearest in number to the connected pieces of that kind, specks left
+        out; the first of several.
 
     Raises
     ------
@@ -129,7 +130,7 @@ def fitting_set(
         A name that no set has a label for.
     """
     failure: UsageError | None = None
-    misfits: dict[int, int] = {}
+    misfits: dict[int, tuple[int, int]] = {}
     for k, labels in enumerate(sets):
         try:
             misfits[k] = _misfit(shape, named, labels, naming)
@@ -140,24 +141,25 @@ def fitting_set(
     return min(misfits, key=lambda k: misfits[k])
 
 
-def _misfit(shape: Shape, named: Labelling, labels: Sequence[str], naming: Naming) -> int:
-    """How many pieces have no label of their own, and labels no piece."""
+def _misfit(
+    shape: Shape, named: Labelling, labels: Sequence[str], naming: Naming
+) -> tuple[int, int]:
+    """How many names have no label of their own; how many pieces have none, or labels no piece."""
     names = named.names or ()
     used = np.unique(named.labels)
     # The pieces of a name that has become part of another kind are no instances of that kind.
     own = {fold(label) for label in labels}
     pieces = dict.fromkeys(own, 0)
-    misfit = 0
+    lost = 0
     for name in sorted({names[k] for k in used}):
         kind = naming.kind(name, labels)
         elements = np.flatnonzero(np.isin(named.labels, [k for k in used if names[k] == name]))
-        count = _count_pieces(shape, elements)
         if kind == fold(name):
-            pieces[kind] += count
+            pieces[kind] += _count_pieces(shape, elements)
         else:
-            misfit += count
+            lost += 1
     wanted = [fold(label) for label in labels]
-    return misfit + sum(abs(pieces[kind] - wanted.count(kind)) for kind in own)
+    return lost, sum(abs(pieces[kind] - wanted.count(kind)) for kind in own)
 
 
 def _count_pieces(shape: Shape, elements: IntArray) -> int:

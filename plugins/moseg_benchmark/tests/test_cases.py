@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from moseg_benchmark import cases
-from moseg_benchmark.cases import BenchmarkCase, CaseResult, cluster, run_case
+from moseg_benchmark.cases import BenchmarkCase, CaseResult, all_leaves, cluster, run_case
 from moseg_benchmark.label_matching import Naming
 from moseg_benchmark.psb import find_models
 
@@ -84,6 +84,30 @@ def test_a_part_that_was_left_whole_counts_as_its_first_leaf(models, tmp_path):
     # 'one' has fewer faces than labels.
     leaves = recipe.hierarchy().labels
     assert {leaves[k] for k in np.unique(labels)} == {"one/m0", "two/a", "two/b"}
+
+
+def test_a_recipe_of_several_label_sets(models, recipe):
+    counted = replace(
+        recipe,
+        name="counted",
+        statement=replace(
+            recipe.statement, labels=("one", "two{1..3}"), minimize="narrow(one) + narrow(two*)"
+        ),
+    )
+    leaves = all_leaves(counted)
+    assert leaves == ["one", "two1", "two2", "two3"]
+    case = BenchmarkCase(model=models[0], method="default", recipe=counted)
+    result, labels = run_case(case, report=silent)
+    assert result.failure == ""
+    assert set(np.unique(labels)) <= set(range(len(leaves)))
+    assert 0.0 < result.named_right <= 1.0
+    # People's parts: one in the middle, two at its ends. The costs are those of that label set.
+    costs, _ = run_case(replace(case, method="costs"), report=silent)
+    plain = replace(counted, statement=replace(counted.statement, labels=("one", "two1", "two2")))
+    assert (
+        costs.cost == run_case(replace(case, method="costs", recipe=plain), report=silent)[0].cost
+    )
+    assert costs.empty == 0
 
 
 def test_results_come_back_from_plain_data():

@@ -2,7 +2,12 @@
 
 import numpy as np
 import pytest
-from moseg_benchmark.label_matching import Naming, labels_by_overlap, labels_of_names
+from moseg_benchmark.label_matching import (
+    Naming,
+    fitting_set,
+    labels_by_overlap,
+    labels_of_names,
+)
 
 from moseg_core import Labelling, Shape, UsageError
 
@@ -64,6 +69,38 @@ def test_a_name_belongs_to_the_first_kind_that_the_recipe_has():
 def test_a_name_without_a_label_is_refused():
     with pytest.raises(UsageError, match="no label for 'wing': unknown label 'wing'"):
         labels("wing b b b b b", ["b", "ring"])
+
+
+@pytest.mark.parametrize(
+    ("text", "best"),
+    [
+        ("leg b b leg b b", 1),
+        ("leg b b b b b", 0),
+        ("leg b leg b leg b", 2),
+        ("leg b leg b tail b", 3),
+        ("leg b b b tail b", 3),  # labels too many are better than a tail that is body
+    ],
+)
+def test_the_label_set_that_has_as_many_of_each_kind(text, best):
+    sets = [["b", *(f"leg{k + 1}" for k in range(n))] for n in (1, 2, 3)]
+    sets.append(["b", "leg1", "leg2", "tail"])
+    naming = Naming({"tail": ("b",)})
+    # The body of a strip is in pieces too, of which every set has as many too few.
+    assert fitting_set(STRIP, named(text), sets, naming) == best
+
+
+def test_specks_are_no_pieces():
+    many = Shape.from_mesh(
+        [[x, y, 0.0] for x in range(1002) for y in (0.0, 1.0)],
+        [[2 * k, 2 * k + 2, 2 * k + 3, 2 * k + 1] for k in range(1001)],
+    )
+    text = " ".join(["leg"] * 400 + ["b"] * 500 + ["leg"] + ["b"] * 100)
+    assert fitting_set(many, named(text), [["b", "leg1", "leg2"], ["b", "leg1"]], Naming()) == 1
+
+
+def test_a_name_that_no_label_set_has_a_label_for():
+    with pytest.raises(UsageError, match="no label for 'wing'"):
+        fitting_set(STRIP, named("wing b b b b b"), [["b"], ["b", "leg1"]], Naming())
 
 
 def test_parts_without_names_take_those_of_most_of_their_area():
