@@ -26,7 +26,7 @@ def test_another_expression_may_name_the_recipes_tables(tmp_path):
         'labels = ["a", "b"]\nminimize = "is(a, given=a)"\n[given.a]\narea = "0.3+-0.1"\n'
     )
     flags = SearchedProblemFlags(recipe=str(path), minimize="is(b, given=a) + compact(a)")
-    (term, _) = read_task(flags).problem.terms
+    (term, _) = read_variants(flags).tasks[0].problem.terms
     assert (term.calls, term.parameters) == (((1,),), {"area": Target(0.3, 0.1)})
 
 
