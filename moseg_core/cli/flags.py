@@ -33,7 +33,8 @@ class ProblemFlags:
     recipe
         Name of an installed recipe, or path of a TOML file.
     labels
-        Names of the parts, separated by commas; instead of the recipe's.
+        Names of the parts, separated by commas, also with counts (torso,leg{4},tail{0..1}); instead
+        of the recipe's, or chosen among them where the recipe's have counts.
     minimize
         What to minimise, such as "3*narrow(handle) + convex_parts"; instead of the recipe's.
     embedding

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import re
+from pathlib import Path
 
 import pytest
 
@@ -218,6 +220,22 @@ def test_several_label_sets_are_no_single_problem():
         Problem(["leg{4}"], "narrow(leg*)")
     with pytest.raises(UsageError, match="say which numbers of parts are tried"):
         stated().with_parts(3)
+
+
+def test_the_recipes_of_the_page_are_recipes():
+    page = (Path(__file__).parents[2] / "docs" / "variants.md").read_text()
+    octopus, cow = re.findall(r"^```toml\n(.*?)^```", page, flags=re.MULTILINE | re.DOTALL)
+    assert len(parse_recipe(octopus, "octopus").hierarchies()) == 24
+    cow = parse_recipe(
+        cow + 'minimize = "is(torso, given=torso) + is(tail, given=tail)"\n'
+        '[given.torso]\narea = "0.5+-0.1"\n[given.tail]\narea = "0.1+-0.05"\n',
+        "cow",
+    )
+    assert [task.problem.statement.minimize for task in cow.hierarchies()] == [
+        "is(torso, given=torso)",
+        *["is(torso, given=torso) + is(tail, given=tail)"] * 2,
+    ]
+    assert parse_recipe(cow.toml(), "cow") == cow
 
 
 # --- which of them
