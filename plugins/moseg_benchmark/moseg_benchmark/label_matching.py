@@ -89,14 +89,9 @@ def labels_of_names(
     UsageError
         A name that the recipe has no label for.
     """
-    names = named.names or ()
     kinds = [fold(label) for label in labels]
-    names_of_kind: dict[str, list[str]] = {}
-    for name in sorted({names[k] for k in np.unique(named.labels)}):
-        names_of_kind.setdefault(naming.kind(name, labels), []).append(name)
     matched = np.full(shape.n_elements, -1, np.int64)
-    for kind, group in names_of_kind.items():
-        numbers = [k for k, name in enumerate(names) if name in group]
+    for kind, numbers in _names_of_kinds(named, labels, naming).items():
         elements = np.flatnonzero(np.isin(named.labels, numbers))
         instances = [k for k, other in enumerate(kinds) if other == kind]
         matched[elements] = np.array(instances)[_pieces(shape, elements, len(instances))]
@@ -120,9 +115,9 @@ def fitting_set(
     Returns
     -------
     int
-        The number of the set that has labels of most of the names, and of those the one whose
-        labels of each kind are nearest in number to the connected pieces of that kind, specks left
-        out; the first of several.
+        The number of the set in which fewest names share a kind of label with others, and of
+        those the one whose labels of each kind are nearest in number to the connected pieces that
+        get them, specks left out; the first of several.
 
     Raises
     ------
@@ -144,28 +139,31 @@ def fitting_set(
 def _misfit(
     shape: Shape, named: Labelling, labels: Sequence[str], naming: Naming
 ) -> tuple[int, int]:
-    """How many names have no label of their own; how many pieces have none, or labels no piece."""
+    """How many names share their label's kind with others; how many pieces or labels are alone."""
+    kinds = [fold(label) for label in labels]
+    groups = _names_of_kinds(named, labels, naming)
+    alone = 0
+    for kind in dict.fromkeys(kinds):
+        elements = np.flatnonzero(np.isin(named.labels, groups.get(kind, [])))
+        alone += abs(_count_pieces(shape, elements) - kinds.count(kind))
+    return sum(len(group) - 1 for group in groups.values()), alone
+
+
+def _names_of_kinds(
+    named: Labelling, labels: Sequence[str], naming: Naming
+) -> dict[str, list[int]]:
+    """For each kind of a recipe's labels the numbers of the names whose parts get it."""
     names = named.names or ()
-    used = np.unique(named.labels)
-    # The pieces of a name that has become part of another kind are no instances of that kind.
-    own = {fold(label) for label in labels}
-    pieces = dict.fromkeys(own, 0)
-    lost = 0
-    for name in sorted({names[k] for k in used}):
-        kind = naming.kind(name, labels)
-        elements = np.flatnonzero(np.isin(named.labels, [k for k in used if names[k] == name]))
-        if kind == fold(name):
-            pieces[kind] += _count_pieces(shape, elements)
-        else:
-            lost += 1
-    wanted = [fold(label) for label in labels]
-    return lost, sum(abs(pieces[kind] - wanted.count(kind)) for kind in own)
+    groups: dict[str, list[int]] = {}
+    for k in sorted(np.unique(named.labels), key=lambda k: names[k]):
+        groups.setdefault(naming.kind(names[k], labels), []).append(int(k))
+    return groups
 
 
 def _count_pieces(shape: Shape, elements: IntArray) -> int:
-    """The number of connected pieces that are no specks, at least one."""
-    if shape.adjacency is None:
-        return 1
+    """The number of connected pieces that are no specks; at least one, where there are elements."""
+    if shape.adjacency is None or not len(elements):
+        return min(1, len(elements))
     count, component = shape.adjacency.components(elements)
     areas = np.bincount(component, shape.areas[elements], count)
     return max(1, int((areas >= _SPECK * shape.area).sum()))

@@ -89,6 +89,12 @@ def test_the_label_set_that_has_as_many_of_each_kind(text, best):
     assert fitting_set(STRIP, named(text), sets, naming) == best
 
 
+def test_names_that_go_by_another_are_counted_too():
+    sets = [["b", *(f"arm{k + 1}" for k in range(n))] for n in (1, 2, 3)]
+    naming = Naming({"leg": ("arm",)})
+    assert fitting_set(STRIP, named("leg b b leg b b"), sets, naming) == 1
+
+
 def test_specks_are_no_pieces():
     many = Shape.from_mesh(
         [[x, y, 0.0] for x in range(1002) for y in (0.0, 1.0)],
