@@ -96,9 +96,8 @@ def profiles(
         *_relation_terms("apart", apart, relations.apart, sets),
         *([_weighted(separate, "separate_parts")] if separate else []),
     ]
-    statement = _stated(
+    statement = Statement(
         labels=sets.stated,
-        variants=sets.variants,
         minimize=" + ".join(terms),
         given=tables,
         search=_SEARCH if refiner == "none" else replace(_SEARCH, refiner=refiner),
@@ -135,20 +134,3 @@ def _labels(kind: str, sets: LabelSets) -> str:
 
 def _weighted(weight: float, call: str) -> str:
     return call if weight == 1 else f"{weight:g}*{call}"
-
-
-def _stated(**said):  # TEMPORARY until the statement has tables and variants
-    import dataclasses
-    import re
-
-    known = {field.name for field in dataclasses.fields(Statement)}
-    if "given" not in known:
-        given = said.pop("given")
-        said["minimize"] = re.sub(
-            r"given=(\w+)",
-            lambda m: ", ".join(f"{k}={v}" for k, v in given[m[1]].items()),
-            said["minimize"],
-        )
-    if "variants" not in known:
-        said.pop("variants")
-    return Statement(**said)
