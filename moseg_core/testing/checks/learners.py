@@ -70,7 +70,7 @@ def _problem_stands(subject: Subject) -> None:
     """A recipe that names what there is not is noticed by the next user, when it is searched."""
     for what, _, recipe in _recipes(subject):
         try:
-            recipe.hierarchy(source=subject.registry)
+            recipe.hierarchies(source=subject.registry)
         except Exception as error:
             raise ContractFailure(
                 did=f"the problem of its recipe of {what} was made",

@@ -2,10 +2,10 @@
 
 What it writes is what a person would, who had measured: for each kind a table of the typical value
 and spread of each measure (:mod:`moseg_learn.profile`), which parts touch and which never do
-(:mod:`moseg_learn.relations`), how many there are of each (:mod:`moseg_learn.label_sets`), how likely
-each place is to bear the label (:mod:`moseg_learn.discriminant`), that parts are joined along
-short lines in creases, and how to search for all that. Each is a term of the recipe's expression,
-with a weight that its owner can change.
+(:mod:`moseg_learn.relations`), how many there are of each (:mod:`moseg_learn.label_sets`), how
+likely each place is to bear the label (:mod:`moseg_learn.discriminant`), that parts are joined
+along short lines in creases, and how to search for all that. Each is a term of the recipe's
+expression, with a weight that its owner can change.
 
 Parts judged as parts, and places judged one by one, agree better with people together than either
 alone; Kalogerakis, Hertzmann and Singh 2010, doi:10.1145/1778765.1778839, learn the latter with
@@ -14,23 +14,26 @@ the relation of neighbours.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Container, Iterator, Sequence
 from dataclasses import replace
-from typing import Annotated
+from typing import Annotated, Any
 
-from moseg_core import Example, Interval, Method, Recipe, Statement
+from moseg_core import Example, Interval, Method, Recipe, Statement, Table
+from moseg_learn.discriminant import fit_looks
 from moseg_learn.label_sets import LabelSets, label_sets_of
 from moseg_learn.names import argument, check_numbers
-from moseg_learn.pieces import pieces_of
+from moseg_learn.pieces import Pieces, pieces_of
 from moseg_learn.profile import profiles_of
 from moseg_learn.relations import Relation, relations_of
 
 _SEARCH = Method(
     parameterization="voronoi(centers=auto)",
     seeder="sized_evolution(population=100, generations=60)",
-    restarts=2,
 )
 """How a learned recipe is searched: bodies of several cells, small parts found by their size."""
+
+_STARTS = 2
+"""How often, where there is one label set; else as many searches as usual are shared by them."""
 
 
 def profiles(
@@ -90,17 +93,27 @@ def profiles(
     sets = label_sets_of([pieces.counts() for pieces in cut])
     tables = profiles_of(measured, prior=prior, floor=floor)
     relations = relations_of(measured)
+    given: dict[str, Any] = dict(tables)
+    looks = "" if not likely or not _has_looks(cut) else _free_name("looks", tables)
+    if looks:
+        given[looks] = fit_looks([pieces.as_kinds() for pieces in cut])
     terms = [
         *_profile_terms(sets),
+        *(_likely_terms(likely, looks, sets) if looks else []),
         *_relation_terms("touching", touching, relations.touching, sets),
         *_relation_terms("apart", apart, relations.apart, sets),
         *([_weighted(separate, "separate_parts")] if separate else []),
     ]
     statement = Statement(
         labels=sets.stated,
+        variants=sets.variants,
         minimize=" + ".join(terms),
-        given=tables,
-        search=_SEARCH if refiner == "none" else replace(_SEARCH, refiner=refiner),
+        given=Table(given),
+        search=replace(
+            _SEARCH,
+            refiner=None if refiner == "none" else refiner,
+            restarts=None if sets.variants else _STARTS,
+        ),
     )
     n = len(cut)
     return Recipe(
@@ -115,6 +128,26 @@ def _profile_terms(sets: LabelSets) -> Iterator[str]:
     """``is(leg*, given=leg)`` for each kind."""
     for kind in sets.labels:
         yield f"is({_labels(kind, sets)}, given={kind})"
+
+
+def _has_looks(examples: Sequence[Pieces]) -> bool:
+    """Whether all are surfaces of which is known which elements touch."""
+    return all(
+        pieces.shape.adjacency is not None and pieces.shape.has_surface for pieces in examples
+    )
+
+
+def _free_name(name: str, taken: Container[str]) -> str:
+    """The name, with as many ``_`` behind it as tell it from others."""
+    while name in taken:
+        name += "_"
+    return name
+
+
+def _likely_terms(weight: float, looks: str, sets: LabelSets) -> Iterator[str]:
+    """``likely(leg*, kind=leg, among=looks)`` for each kind."""
+    for kind in sets.labels:
+        yield _weighted(weight, f"likely({_labels(kind, sets)}, kind={kind}, among={looks})")
 
 
 def _relation_terms(

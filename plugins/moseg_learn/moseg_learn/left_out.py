@@ -9,7 +9,7 @@ less and is wrong, the recipe does not say enough.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -22,7 +22,7 @@ from moseg_core import (
     UsageError,
     Workers,
     learn,
-    segment_hierarchy,
+    segment_variants,
 )
 from moseg_core.agreement import named_right, rand_index_error
 from moseg_learn.names import labels_of
@@ -115,7 +115,7 @@ def _tried(example: Example, recipe: Recipe, numbers: str, seed: int, report: Re
     shape, name = example.shape, example.shape.name
     own = pieces_of(example, numbers=numbers)
     try:
-        result = segment_hierarchy(shape, recipe, seed=seed, report=report)
+        result = segment_variants(shape, recipe, seed=seed, report=report)
     except MosegError as error:
         return LeftOut(name=name, failure=str(error))
     own_cost, failure = None, ""
@@ -153,15 +153,22 @@ def cost_of(pieces: Pieces, recipe: Recipe) -> float:
     UsageError
         The recipe has no labels for these parts.
     """
-    problem = recipe.problem()
-    names, seen = list[str](), dict[str, int]()
-    for kind in pieces.kinds:
-        several = labels_of(kind, 2)[0] in problem.labels
-        seen[kind] = number = seen.get(kind, 0) + 1
-        names.append(labels_of(kind, number + 1)[number - 1] if several else kind)
-    if sorted(names) != sorted(problem.labels):
+    counts, declared = pieces.counts(), recipe.statement.declared
+    named = {
+        kind: [label for label in declared if label in labels_of(kind, len(declared) + 1)]
+        or [label for label in declared if label == kind]
+        for kind in counts
+    }
+    lacking = [kind for kind, n in counts.items() if n > len(named[kind])]
+    if lacking:
         raise UsageError(
-            f"the recipe has no labels for {pieces.described()}; it has {', '.join(problem.labels)}"
+            f"the recipe has no labels for {pieces.described()}: too few for {lacking[0]}, of"
+            f" {', '.join(recipe.labels)}"
         )
-    order = np.array([problem.labels.index(name) for name in names])
-    return problem.evaluate(pieces.shape, order[pieces.labels]).cost.value
+    label_of: list[str] = []
+    for kind, n in counts.items():
+        label_of += named[kind][:n]
+    stated = replace(recipe.statement, variants=(tuple(label_of),))
+    (task,) = replace(recipe, statement=stated).hierarchies()
+    order = np.array([task.labels.index(label) for label in label_of])
+    return task.evaluate(pieces.shape, order[pieces.labels]).cost.value

@@ -66,6 +66,12 @@ class Pieces:
         words = [f"{n} {kind}" if n > 1 else kind for kind, n in self.counts().items()]
         return f"{self.shape.input.name}: {', '.join(words)}"
 
+    def as_kinds(self) -> Example:
+        """The same as an example, each element named by the kind of its part."""
+        kinds = sorted(set(self.kinds))
+        number = np.array([kinds.index(kind) for kind in self.kinds])
+        return Example(self.shape, number[self.labels], tuple(kinds))
+
     def at(self, resolution: int) -> Pieces:
         """The same on super-elements, each of the part that has most of its area.
 
