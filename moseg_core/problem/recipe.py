@@ -76,6 +76,9 @@ from moseg_core.problem.statement import KEYS, Statement, joined, read_texts
 from moseg_core.problem.variants import Variants
 
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]+\Z", re.ASCII)
+_TERM = re.compile(r" (?=\+ )")
+_LONG = 100
+"""More characters than this are written on several lines."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -180,13 +183,33 @@ class Recipe:
 def _toml_lines(table: Mapping[str, Any], heading: str) -> list[str]:
     """The lines of a table: its values, then the tables in it, each under its heading."""
     values = {key: value for key, value in table.items() if not isinstance(value, dict)}
-    lines = [f"{_toml_key(key)} = {_toml_value(value)}" for key, value in values.items()]
+    lines = [_toml_line(_toml_key(key), value) for key, value in values.items()]
     if heading and (values or not table):  # a table of tables alone needs no heading of its own
         lines = ["", f"[{heading}]", *lines]
     for key, value in table.items():
         if isinstance(value, dict):
             lines += _toml_lines(value, f"{heading}.{_toml_key(key)}" if heading else key)
     return lines
+
+
+def _toml_line(key: str, value: Any) -> str:
+    r"""A key and its value; what is long on several lines, as a person would write it.
+
+    Examples
+    --------
+    >>> print(_toml_line("minimize", " + ".join(["narrow(part1)"] * 8)).splitlines()[2])
+    + narrow(part1) \
+    """
+    line = f"{key} = {_toml_value(value)}"
+    if len(line) <= _LONG:
+        return line
+    if isinstance(value, list | tuple):
+        return "\n".join([f"{key} = [", *(f"    {_toml_value(item)}," for item in value), "]"])
+    if isinstance(value, str) and (terms := _TERM.split(value))[1:]:
+        # A line that ends with a backslash goes on with the next one.
+        written = " \\\n".join(_toml_value(term)[1:-1] for term in terms)
+        return f'{key} = """\n{written}"""'
+    return line
 
 
 def _toml_key(key: str) -> str:
