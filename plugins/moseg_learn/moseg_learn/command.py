@@ -69,6 +69,7 @@ def learn(
     from moseg_core import learn as learned
     from moseg_learn.left_out import leave_one_out
     from moseg_learn.reading import read_example, split_word
+    from moseg_learn.text import annotated
 
     if not examples:
         raise UsageError("there is nothing to learn from; give examples: SHAPE=LABELS")
@@ -88,7 +89,7 @@ def learn(
         read.append(read_example(word, names=called, adjacency=adjacency))
         _tell(f"{word}: {', '.join(read[-1].borne)}", quiet=quiet)
     recipe = learned(read, learner=learner)
-    text = recipe.toml()
+    text = annotated(recipe)
     if out is not None:
         write_file(out, text.encode())
         _tell(f"wrote {out}: {', '.join(recipe.labels)}", quiet=quiet)

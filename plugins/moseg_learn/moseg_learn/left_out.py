@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from moseg_core import (
+    Choice,
     Example,
     MosegError,
     Progress,
@@ -61,7 +62,6 @@ def leave_one_out(
     examples: Sequence[Example],
     *,
     learner: str,
-    numbers: str = "alike",
     seed: int = 0,
     workers: int = 1,
     show: Callable[[int, LeftOut], None],
@@ -73,8 +73,7 @@ def leave_one_out(
     examples : sequence of Example
         Two or more.
     learner : str
-    numbers : {"alike", "different"}
-        Whether names that differ in their numbers name one kind.
+        By name and with parameters.
     seed : int
         Of the searches.
     workers : int
@@ -89,6 +88,8 @@ def leave_one_out(
     """
     if len(examples) < 2:
         raise UsageError("--check leaves one example out, so it needs two or more")
+
+    numbers = str(Choice.read(learner, "learner").parameters.get("numbers", "alike"))
 
     def tried(k: int, *, report: Report) -> LeftOut:
         rest = [example for i, example in enumerate(examples) if i != k]
