@@ -33,7 +33,7 @@ _SEARCH = Method(
 """How a learned recipe is searched: bodies of several cells, small parts found by their size."""
 
 _STARTS = 2
-"""How often, where there is one label set; else as many searches as usual are shared by them."""
+"""How often, where there is one label set; where there are several, each is searched once."""
 
 
 def profiles(
@@ -112,7 +112,7 @@ def profiles(
         search=replace(
             _SEARCH,
             refiner=None if refiner == "none" else refiner,
-            restarts=None if sets.variants else _STARTS,
+            restarts=1 if sets.variants else _STARTS,
         ),
     )
     n = len(cut)

@@ -16,6 +16,9 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
+from scipy import sparse
+from scipy.sparse import csgraph
+from scipy.spatial import cKDTree
 
 from moseg_core import Example, Segmentation, Shape, UsageError, coarsen
 from moseg_learn.names import kind_of
@@ -23,6 +26,7 @@ from moseg_learn.names import kind_of
 SCRAP = 0.002
 """A piece of less than this share of the area is no part."""
 
+FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 
 
@@ -111,29 +115,33 @@ def pieces_of(example: Example, *, numbers: str = "alike", scrap: float = SCRAP)
         There is one part only.
     """
     shape = example.shape
-    piece, names = _connected(example)
-    areas = np.bincount(piece, shape.areas, len(names))
-    largest = {int(names[k]): int(k) for k in np.lexsort((-np.arange(len(areas)), areas))}
-    small = areas < scrap * shape.area
-    small[list(largest.values())] = False
-    piece = _without(small, piece, shape)
-    kept = np.unique(piece)
-    kinds = [kind_of(example.names[names[k]], numbers=numbers) for k in kept.tolist()]
-    areas = np.bincount(piece, shape.areas, len(names))[kept]
-    if len(kept) < 2:
+    piece, names = _connected(shape, example.labels)
+    small = _scraps(np.bincount(piece, shape.areas, len(names)), names, scrap * shape.area)
+    if small.any():
+        piece, names = _rejoined(_without(small, piece, shape), names, shape)
+    kinds = [kind_of(example.names[name], numbers=numbers) for name in names]
+    if len(kinds) < 2:
         raise UsageError(
             f"'{shape.name}' is one part, {kinds[0]}; an example shows where parts meet, so label"
             f" two or more"
         )
-    order = sorted(range(len(kept)), key=lambda k: (kinds[k], -areas[k], k))
-    number = np.empty(int(kept.max()) + 1, np.int64)
-    number[kept[order]] = np.arange(len(order))
+    areas = np.bincount(piece, shape.areas, len(names))
+    order = sorted(range(len(kinds)), key=lambda k: (kinds[k], -areas[k], k))
+    number = np.empty(len(order), np.int64)
+    number[order] = np.arange(len(order))
     return Pieces(shape=shape, labels=number[piece], kinds=tuple(kinds[k] for k in order))
 
 
-def _connected(example: Example) -> tuple[IntArray, IntArray]:
+def _scraps(areas: FloatArray, names: IntArray, least: float) -> npt.NDArray[np.bool_]:
+    """Which pieces are smaller than parts are, and not the largest of their name."""
+    small = areas < least
+    largest = {int(names[k]): int(k) for k in np.argsort(areas, kind="stable")}
+    small[list(largest.values())] = False
+    return small
+
+
+def _connected(shape: Shape, labels: IntArray) -> tuple[IntArray, IntArray]:
     """(F,) number of the connected piece of each element, and the label of each piece."""
-    shape, labels = example.shape, example.labels
     piece, names = np.empty(len(labels), np.int64), list[int]()
     for label in np.unique(labels).tolist():
         elements = np.flatnonzero(labels == label)
@@ -146,14 +154,24 @@ def _connected(example: Example) -> tuple[IntArray, IntArray]:
     return piece, np.array(names, np.int64)
 
 
+def _rejoined(piece: IntArray, names: IntArray, shape: Shape) -> tuple[IntArray, IntArray]:
+    """The pieces that are left, numbered anew: one again where only a scrap had parted them."""
+    one, other = piece[shape.links.first], piece[shape.links.second]
+    same = names[one] == names[other]
+    n = len(names)
+    graph = sparse.coo_array((np.ones(same.sum()), (one[same], other[same])), shape=(n, n))
+    whole = csgraph.connected_components(graph, directed=False)[1]
+    left, number = np.unique(whole[piece], return_inverse=True)
+    first = np.array([np.flatnonzero(whole == k)[0] for k in left])
+    return number.reshape(-1).astype(np.int64), names[first]
+
+
 def _without(small: npt.NDArray[np.bool_], piece: IntArray, shape: Shape) -> IntArray:
     """The pieces with the small ones given away, each to the one that it has most boundary with.
 
     A small piece that touches nothing, as a speck of a scan does, goes to the nearest element's.
     """
-    if not small.any():
-        return piece
-    piece, n = piece.copy(), len(small)
+    n = len(small)
     links = shape.links
     while True:
         one, other = piece[links.first], piece[links.second]
@@ -170,8 +188,6 @@ def _without(small: npt.NDArray[np.bool_], piece: IntArray, shape: Shape) -> Int
         piece = goes[piece]
     left = small[piece]
     if left.any():
-        from scipy.spatial import cKDTree
-
         nearest = cKDTree(shape.points[~left]).query(shape.points[left])[1]
         piece[left] = piece[~left][nearest]
     return piece

@@ -1,0 +1,31 @@
+from __future__ import annotations
+
+from moseg_learn.label_sets import label_sets_of
+
+from moseg_core import Statement
+
+
+def test_alike_members_have_plain_labels():
+    found = label_sets_of([{"body": 1, "leg": 2}, {"body": 1, "leg": 2}])
+    assert found.stated == ("body", "leg1", "leg2")
+    assert found.variants == ()
+
+
+def test_members_that_differ_have_counts_and_variants_the_commonest_first():
+    few, many = {"body": 1, "leg": 1}, {"body": 1, "leg": 3, "tail": 1}
+    found = label_sets_of([many, few, many])
+    assert found.variants == (("body", "leg{3}", "tail"), ("body", "leg{1}"))
+    stated = Statement(labels=found.stated, variants=found.variants, minimize="narrow(body)")
+    assert stated.label_sets() == (
+        ("body", "leg1", "leg2", "leg3", "tail"),
+        ("body", "leg1"),
+    )
+
+
+def test_kinds_with_numbers_in_their_names_can_have_counts():
+    found = label_sets_of([{"finger1": 1, "palm": 1}, {"finger1": 2, "palm": 1}])
+    stated = Statement(labels=found.stated, variants=found.variants, minimize="narrow(palm)")
+    assert stated.label_sets() == (
+        ("finger1_1", "palm"),
+        ("finger1_1", "finger1_2", "palm"),
+    )

@@ -1,0 +1,99 @@
+from __future__ import annotations
+
+import pytest
+
+from moseg_core import Example, Shape, UsageError, learn, segment_variants
+from moseg_core.agreement import named_right, rand_index_error
+
+
+@pytest.fixture(scope="module")
+def recipe(herd):
+    return learn(herd)
+
+
+def test_a_recipe_says_what_was_learned_and_from_what(recipe):
+    stated = recipe.statement
+    assert recipe.learned_from == (
+        "one: body, head, 3 leg",
+        "three: body, head, 3 leg, tail",
+        "two: body, head, 3 leg",
+    )
+    assert stated.variants == (
+        ("body", "head", "leg{3}"),
+        ("body", "head", "leg{3}", "tail"),
+    )
+    assert set(stated.given) == {"body", "head", "leg", "tail", "looks"}
+    assert set(stated.given["looks"]) == {"body", "head", "leg", "tail"}
+    for term in (
+        "is(leg*, given=leg)",
+        "likely(leg*, kind=leg, among=looks)",
+        "touching(body, head, leg*)",
+        "separate_parts",
+    ):
+        assert term in stated.minimize
+
+
+def test_another_of_the_kind_is_cut_as_it_should_be(recipe, make):
+    # Longer than any of the examples, and seen from elsewhere.
+    other = make.beast(stretch=1.35, tail=True, name="four")
+    result = segment_variants(
+        other.shape, recipe, seeder="sized_evolution(population=30, generations=12)", resolution=400
+    )
+    assert rand_index_error(result.labels.astype("int64"), other.labels) < 0.1
+    right = named_right(
+        result.labels.astype("int64"),
+        result.problem.labels,
+        other.labels,
+        other.names,
+        other.shape.areas,
+    )
+    assert right > 0.9
+    assert "tail" in result.problem.labels
+
+
+def test_terms_can_be_left_out_and_weighed(herd):
+    plain = learn(herd[:1], learner="profiles(separate=0, likely=0, touching=0, apart=0)")
+    assert plain.statement.minimize == (
+        "is(body, given=body) + is(head, given=head) + is(leg*, given=leg)"
+    )
+    assert "looks" not in plain.statement.given
+    assert plain.statement.labels == ("body", "head", "leg1", "leg2", "leg3")
+    heavy = learn(
+        herd[:1], learner='profiles(separate=7, likely=0, touching=3, apart=0, refiner="graph_cut")'
+    )
+    # Three legs touch the body; of body and head there is one pair, which makes no rule.
+    assert "+ 9*touching(body, leg*) + 7*separate_parts" in heavy.statement.minimize
+    assert heavy.statement.search.refiner.name == "graph_cut"
+
+
+def test_numbers_tell_kinds_apart_where_that_is_asked_for(herd):
+    first = herd[0]
+    names = ("body", "head1", "leg", "tail")
+    apart = learn(
+        [Example(first.shape, first.labels, names)],
+        learner="profiles(numbers=different, likely=0)",
+    )
+    assert "head1" in apart.statement.labels
+    assert "head1" in apart.statement.given
+    with pytest.raises(UsageError, match="did you mean 'different'"):
+        learn(herd[:1], learner="profiles(numbers=diferent)")
+
+
+def test_a_kind_may_be_called_looks(herd):
+    first = herd[0]
+    named = Example(first.shape, first.labels, ("looks", "head", "leg", "tail"))
+    found = learn([named])
+    assert set(found.statement.given["looks"]) >= {"area", "crease"}
+    assert set(found.statement.given["looks_"]) == {"looks", "head", "leg"}
+    assert found.hierarchies()
+
+
+def test_clouds_are_learned_from_by_what_they_tell():
+    import numpy as np
+
+    points = np.random.default_rng(0).normal(size=(300, 3)) * [3, 1, 1]
+    cloud = Shape.from_points(points, name="cloud", adjacency="knn")
+    found = learn([Example(cloud, np.digitize(points[:, 0], [-1, 1]), ("a", "b", "c"))])
+    assert "likely" not in found.statement.minimize
+    assert "thickness" not in found.statement.given["a"]
+    assert found.hierarchies()
