@@ -66,6 +66,9 @@ USUAL: Mapping[str, float] = {
 }
 """How much parts of one kind differ as a rule, in the same units."""
 
+_NOTHING = 1e-6
+"""Ratios to less than this mean nothing."""
+
 Profile = dict[str, Target]
 """For each measure the typical value and the spread."""
 
@@ -105,7 +108,9 @@ def profiles_of(examples: Sequence[Pieces], *, prior: float, floor: float) -> di
     Returns
     -------
     dict of str to Profile
-        Kinds in alphabetical order. A measure that is not known of every part is left out.
+        Kinds in alphabetical order. A measure that is not known of every part is left out, and of
+        a kind one of whose parts has next to nothing of it, such as a depth, a measure of which
+        ratios count.
     """
     tables = [measures_of(pieces) for pieces in examples]
     names, _, by_ratio = tables[0]
@@ -114,7 +119,7 @@ def profiles_of(examples: Sequence[Pieces], *, prior: float, floor: float) -> di
     known = ~np.isnan(values).any(axis=0)
     ratio = np.array([name in by_ratio for name in names])
     x = values.copy()
-    x[:, ratio] = np.log(np.maximum(values[:, ratio], 1e-9))
+    x[:, ratio] = np.log(np.maximum(values[:, ratio], _NOTHING))
     off, several = np.zeros_like(x), np.zeros(len(x), np.bool_)
     for kind in np.unique(kinds):
         own = kinds == kind
@@ -135,7 +140,7 @@ def profiles_of(examples: Sequence[Pieces], *, prior: float, floor: float) -> di
         found[kind] = {
             name: _target(middle[k], spread[k], bool(ratio[k]))
             for k, name in enumerate(names)
-            if known[k]
+            if known[k] and not (ratio[k] and (values[own, k] <= _NOTHING).any())
         }
     return found
 

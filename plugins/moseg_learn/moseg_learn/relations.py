@@ -1,9 +1,9 @@
 """Relations: which parts always touch in the examples, and which never do.
 
 For two kinds, or one of several parts, all pairs of parts in all examples are looked at. What was
-seen in two pairs or more, and in at least 95 % of them, is taken for a rule. Rules are gathered into
-few calls that can be read: ``touching(body, head, leg*)`` for what touches one part in the middle,
-``apart(head, tail, leg*)`` for kinds no two parts of which touch.
+seen in two pairs or more, and in at least 95 % of them, is taken for a rule. Rules are gathered
+into few calls that can be read: ``touching(body, head, leg*)`` for what touches one part in the
+middle, ``apart(head, tail, leg*)`` for kinds no two parts of which touch.
 """
 
 from __future__ import annotations

@@ -22,7 +22,7 @@ def directions(legs: int) -> np.ndarray:
 
 
 def beast(
-    *, legs: int = 3, tail: bool = False, stretch: float = 1.0, name: str = "beast", rounds: int = 4
+    *, legs: int = 3, tail: bool = False, stretch: float = 1.0, name: str = "beast", rounds: int = 3
 ) -> Example:
     """A ball with bumps: a wide one is the head, narrow ones are legs and tail."""
     ball = trimesh.creation.icosphere(subdivisions=rounds)

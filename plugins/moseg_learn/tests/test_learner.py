@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from moseg_core import Example, Shape, UsageError, learn, segment_variants
@@ -89,11 +90,11 @@ def test_a_kind_may_be_called_looks(herd):
 
 
 def test_clouds_are_learned_from_by_what_they_tell():
-    import numpy as np
-
-    points = np.random.default_rng(0).normal(size=(300, 3)) * [3, 1, 1]
+    x, y = np.meshgrid(np.linspace(0, 3, 30), np.linspace(0, 1, 10))
+    points = np.stack([x, y, 0.1 * np.sin(3 * x) * y], axis=-1).reshape(-1, 3)
     cloud = Shape.from_points(points, name="cloud", adjacency="knn")
-    found = learn([Example(cloud, np.digitize(points[:, 0], [-1, 1]), ("a", "b", "c"))])
+    labels = np.digitize(points[:, 0], [1, 2])
+    found = learn([Example(cloud, labels, ("a", "b", "c"))])
     assert "likely" not in found.statement.minimize
     assert "thickness" not in found.statement.given["a"]
     assert found.hierarchies()

@@ -69,7 +69,7 @@ def test_an_example_of_one_part_is_refused():
 
 
 def test_on_super_elements_parts_are_the_same_but_for_their_borders(make):
-    whole = pieces_of(make.beast())
+    whole = pieces_of(make.beast(rounds=4))
     coarse = whole.at(800)
     assert 500 < coarse.shape.n_elements <= 800
     assert coarse.kinds == whole.kinds
@@ -81,7 +81,7 @@ def test_on_super_elements_parts_are_the_same_but_for_their_borders(make):
 
 
 def test_a_part_that_would_vanish_keeps_an_example_on_its_own_elements(make):
-    example = make.beast()
+    example = make.beast(rounds=4)
     labels = example.labels.copy()
     labels[np.argmax(example.shape.points[:, 1])] = 3
     pieces = pieces_of(Example(example.shape, labels, example.names))

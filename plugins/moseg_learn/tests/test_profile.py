@@ -47,12 +47,12 @@ def test_typical_values_and_spreads_against_a_slow_reference(herd):
             assert middle < 0.01, (kind, name)
 
 
-def test_more_examples_narrow_a_profile(make):
-    alone = profiles_of([pieces_of(make.beast())], prior=6.0, floor=0.1)
-    many = profiles_of(
-        [pieces_of(make.beast(stretch=1 + 0.01 * k)) for k in range(4)], prior=6.0, floor=0.1
-    )
-    assert many["body"]["unevenness"].spread < alone["body"]["unevenness"].spread
+def test_each_more_example_narrows_the_profile_of_what_does_not_vary(make):
+    one = pieces_of(make.beast())
+    alone, many = (profiles_of([one] * n, prior=6.0, floor=2.0) for n in (1, 4))
+    for name, target in alone["body"].items():
+        assert many["body"][name].value == pytest.approx(target.value, rel=0.05)
+        assert many["body"][name].spread < target.spread, name
 
 
 def test_one_example_without_limbs_has_the_usual_spreads():
@@ -86,3 +86,13 @@ def test_numbers_have_the_digits_that_mean_something(herd):
         for target in profile.values():
             assert len(f"{target.spread:.10f}".strip("0.").replace(".", "")) <= 3, target
             assert target.spread == float(f"{target.spread:.2g}")
+
+
+def test_of_what_is_flat_no_depth_is_told():
+    vertices = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [3, 0, 1], [3, 1, 1], [4, 0, 0]]
+    shape = Shape.from_mesh([*vertices, [4, 1, 0]], [[0, 1, 2, 3], [1, 4, 5, 2], [4, 6, 7, 5]])
+    found = profiles_of(
+        [pieces_of(Example(shape, [0, 1, 1], ("flat", "bent")))], prior=6.0, floor=2.0
+    )
+    assert "depth" not in found["flat"]
+    assert "depth" in found["bent"]
