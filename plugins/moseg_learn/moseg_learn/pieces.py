@@ -116,7 +116,7 @@ def pieces_of(example: Example, *, numbers: str = "alike", scrap: float = SCRAP)
     """
     shape = example.shape
     piece, names = _connected(shape, example.labels)
-    small = _scraps(np.bincount(piece, shape.areas, len(names)), names, scrap * shape.area)
+    small = _scraps(_areas(piece, shape, len(names)), names, scrap * shape.area)
     if small.any():
         piece, names = _rejoined(_without(small, piece, shape), names, shape)
     kinds = [kind_of(example.names[name], numbers=numbers) for name in names]
@@ -125,11 +125,17 @@ def pieces_of(example: Example, *, numbers: str = "alike", scrap: float = SCRAP)
             f"'{shape.name}' is one part, {kinds[0]}; an example shows where parts meet, so label"
             f" two or more"
         )
-    areas = np.bincount(piece, shape.areas, len(names))
+    areas = _areas(piece, shape, len(names))
     order = sorted(range(len(kinds)), key=lambda k: (kinds[k], -areas[k], k))
     number = np.empty(len(order), np.int64)
     number[order] = np.arange(len(order))
     return Pieces(shape=shape, labels=number[piece], kinds=tuple(kinds[k] for k in order))
+
+
+def _areas(piece: IntArray, shape: Shape, n: int) -> FloatArray:
+    """(n,) float: the area of each piece."""
+    areas: FloatArray = np.bincount(piece, shape.areas, n).astype(np.float64)
+    return areas
 
 
 def _scraps(areas: FloatArray, names: IntArray, least: float) -> npt.NDArray[np.bool_]:
