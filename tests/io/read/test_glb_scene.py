@@ -6,7 +6,9 @@ import trimesh
 from hypothesis import given
 from hypothesis import strategies as st
 
-from moseg_core.io.read.glb_scene import read_glb
+from moseg_core.errors import ShapeError
+from moseg_core.io.label_files import read_labels
+from moseg_core.io.read.glb_scene import read_glb, read_glb_names
 from tests.io.read.glb_files import CORNERS, FACES, TETRAHEDRON, glb, one_node, pack
 
 
@@ -245,3 +247,26 @@ def test_a_long_chain_of_nodes_is_walked(as_file):
 
 def test_damaged_bytes_are_read_or_refused(damages):
     assert damages(read_glb, "damaged.glb", one_node(scale=[1, 2, 3])) > 100
+
+
+def test_triangles_are_labelled_by_the_nodes_they_belong_to(as_file):
+    meshes = [[TETRAHEDRON], [TETRAHEDRON, TETRAHEDRON]]
+    nodes = [
+        {"mesh": 0, "name": "leg", "children": [1]},
+        {"mesh": 1, "name": "body"},
+        {"mesh": 0, "name": "leg"},
+    ]
+    path = as_file("named.glb", pack(*glb(meshes, nodes, scenes=[{"nodes": [0, 2]}])))
+    labels, names = read_glb_names(path)
+    assert names == ("leg", "body")
+    assert labels.tolist() == [0] * 4 + [1] * 8 + [0] * 4
+    shape = read_glb(path)
+    assert read_labels(path, shape.n_elements).names == names
+
+
+def test_a_node_without_a_name_is_called_after_its_mesh_and_needs_one_of_the_two(as_file):
+    document, binary = glb([[TETRAHEDRON]], [{"mesh": 0}])
+    with pytest.raises(ShapeError, match="has a part without a name"):
+        read_glb_names(as_file("none.glb", pack(document, binary)))
+    document["meshes"][0]["name"] = "shell"
+    assert read_glb_names(as_file("mesh.glb", pack(document, binary)))[1] == ("shell",)
