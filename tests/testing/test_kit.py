@@ -49,3 +49,8 @@ def test_symmetry(check):
 @parametrize_contract("mds")
 def test_mds(check):
     check()
+
+
+@parametrize_contract("learn")
+def test_learn(check):
+    check()
