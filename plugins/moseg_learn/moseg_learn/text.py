@@ -13,40 +13,59 @@ from collections.abc import Iterator
 from moseg_core import Recipe
 
 _BEFORE = {
-    "labels": "The parts to find.",
-    "variants": "The sets of parts that were seen; the one that fits a shape best is taken.",
+    "labels": "The parts to find. leg{4} are four: leg1, leg2, leg3 and leg4.",
+    "variants": """\
+The sets of parts that were seen: leg{4} are four, leg1 to leg4; add a set by hand where you know of
+another. Each is searched for, and the one taken whose parts fit best on the mean, so that fewer
+parts are no advantage. What is said below of parts that a set lacks is left out with them.""",
     "minimize": """\
-What a segmentation costs; the search looks for the cheapest. A number in front of a term says how
-much it counts.
-  is(leg*, given=leg)        each leg measures as the table [given.leg] says
-  likely(leg*, kind=leg, ..) each leg lies where the surface looks as on the legs of the examples
-  touching(body, leg*)       the first part touches each of the others
-  apart(head, leg*)          no two of these parts touch
-  separate_parts             parts are joined along short lines, in creases
-Add a term of your own, such as + narrow(leg*); 'moseg plugin list' names what there is.""",
-    "parameterization": "How it is searched; 'moseg plugin explain voronoi' says more.",
+What a segmentation costs; the search looks for the cheapest. It is a sum: the number before a term
+says how much the term counts, 1 where there is none. leg* stands for every leg.
+  is(leg*, given=leg)     how far each leg is from the measures in the table [given.leg]
+  likely(leg*, kind=leg, among=looks)
+                          how little the surface of each leg looks as it did on the examples' legs
+  touching(body, leg*)    whether the first part touches each of the others
+  apart(head, leg*)       whether any two of all these parts touch, legs among themselves too
+  separate_parts          parts should be joined along short lines, in creases
+Before touching and apart stand 2 and 0.5 for each pair of parts, unless asked otherwise: the learner
+takes what always, or never, was so. Change any number, delete a term, or add one, as + narrow(leg*):
+legs longer than wide. 'moseg plugin list' names what there is.""",
+    "parameterization": """\
+How it is searched; nothing here says what is looked for. 'moseg plugin explain voronoi' says what a
+name means.""",
 }
 """What is said before the line of a key."""
 
 _PROFILES = """\
-What each kind of part measures: the typical value +- how far from it is still usual. Narrow a
-spread to insist on a value, delete a line where it should not count.
+What each kind of part measures on the examples: its typical value +- by how much parts usually
+differ from it, more or less, twice which costs four times as much. What must be positive is
+compared by ratio: half as much is as far off as twice as much. Make the number behind +- smaller
+to insist on a value, delete a line that should not count.
   area                       share of the whole surface
-  length, width, depth       along the part's own three axes; 1 is the diagonal of the shape's box
+  length, width, depth       along the part's own three axes, the longest first; 1 is the diagonal
+                             of the box around the whole shape, here and below
   spread                     how far it reaches for its area: a ball 0.28, a square sheet 0.41
-  offcenter                  how far its middle is from that of the shape, in diagonals
-  thickness                  how thick it is, from one side to the other, in diagonals
-  unevenness                 how much its thickness varies; 0 where it is the same everywhere
-  remoteness                 how far out it lies: 1 in the middle of the shape, 2 and more at tips
+  offcenter                  how far its middle is from that of the whole shape, in diagonals
+  thickness                  from each place straight through to the other side, on the mean, in
+                             diagonals; a bent sheet is deep but not thick
+  unevenness                 how much thickness varies, over its mean; 0 where it is the same
+                             everywhere
+  remoteness                 how far it is along the surface to everywhere else, beside the place
+                             from which that is least: 1 in the middle of the shape, 2 at tips
   nearest, farthest          the remoteness of its innermost and of its outermost place
-  boundary                   length of the line where it is joined on, over the root of its area
-  crease                     how deep a crease that line lies in: 0 flat, positive in a crease"""
+  boundary                   length of the line where it is joined on, over the square root of its
+                             area; 3.5 for a disc
+  crease                     how sharp a crease that line lies in: 0 where flat, 1 where the
+                             surface turns by 60 degrees; negative along a ridge"""
 
 _LOOKS = """\
-What places of each kind look like: how much more (or less, where negative) a place is taken to be
-of the kind for each unit of a quantity. area_within_8 is about what lies within 8 % of the
-diagonal. Such numbers are found by a fit, all together; to do without them, delete these tables
-and the terms 'likely'."""
+What single places on each kind of part look like. Such a table is a fit: each number says how much
+more (less, where negative) a place is taken for this kind where that quantity is greater by one, and
+'constant' is added. Quantities that end in within_8 are of what lies within 8 % of the diagonal
+around a place: area, length, width, depth, mean thickness, concavity and remoteness there, and
+offset, how far the middle of all that is from the place. concavity: how sharp a crease the place
+itself lies in. The numbers mean something together only, and are not made to be changed by hand;
+to do without them, delete these tables and the terms 'likely'."""
 
 
 def annotated(recipe: Recipe) -> str:

@@ -37,7 +37,7 @@ def test_every_measure_and_objective_that_is_used_is_explained(herd):
 def test_each_legend_is_given_once_and_before_the_first_table(herd):
     lines = annotated(learn(herd)).splitlines()
     profiles = [k for k, line in enumerate(lines) if line.startswith("# What each kind of part")]
-    looks = [k for k, line in enumerate(lines) if line.startswith("# What places of each kind")]
+    looks = [k for k, line in enumerate(lines) if line.startswith("# What single places on each")]
     assert len(profiles) == len(looks) == 1
     assert profiles[0] < lines.index("[given.body]") < looks[0] < lines.index("[given.looks.body]")
 
