@@ -44,6 +44,9 @@ FieldNames = Callable[[Mapping[str, Any]], Sequence[str]]
 ShareOf = Callable[[Mapping[str, Any]], float | None]
 """From the parameters of a call to the share of the area of a part that it is content with."""
 
+MeanOf = Callable[[Mapping[str, Any]], tuple[str, Mapping[str, Any]] | None]
+"""From the parameters of a call to the id of a field, and its parameters, whose mean it is."""
+
 DetailsOf = Callable[..., Sequence[Detail]]
 """Called like the objective, it tells what the value comes from."""
 
@@ -80,6 +83,11 @@ class Traits:
         From the parameters that a call gives, without defaults, to the share of the whole area,
         above 0 and at most 1, that each of its parts has where the value is low; None where they
         do not tell. Seeders place parts by it (:attr:`moseg_core.Problem.expected_shares`).
+    mean_of : callable or None
+        Of a unary objective whose value is the mean of a field over the part, weighted by area:
+        from the parameters that a call gives to the field's id and its parameters; None where the
+        value is no such mean. What the value is at each place is then known too, and refiners
+        move boundaries by it.
     details : callable or None
         Called like the objective, with what it is called with; returns the
         :class:`moseg_core.Detail` of each quantity that the value comes from.
@@ -94,6 +102,7 @@ class Traits:
     most: int | None = None
     fields: tuple[str, ...] | FieldNames = ()
     share: ShareOf | None = None
+    mean_of: MeanOf | None = None
     details: DetailsOf | None = None
 
     def expected_share(self, parameters: Mapping[str, Any]) -> float | None:
@@ -124,6 +133,45 @@ class Traits:
                 f"a share is a number above 0 and at most 1, or None, not {found!r:.60}"
             )
         return float(found)
+
+    def averaged_field(self, parameters: Mapping[str, Any]) -> tuple[str, Mapping[str, Any]] | None:
+        """The field whose mean over a part is the value; None where there is none.
+
+        Parameters
+        ----------
+        parameters : mapping of str to value
+            Those that a call gives.
+
+        Returns
+        -------
+        (str, mapping) or None
+            The field's id, and its own parameters.
+
+        Raises
+        ------
+        ValueError
+            What the objective answers is none of these; or whatever else its function raises.
+
+        Examples
+        --------
+        >>> traits = Traits(arity="unary", mean_of=lambda given: ("basic:thickness", {}))
+        >>> traits.averaged_field({})
+        ('basic:thickness', {})
+        """
+        found = None if self.mean_of is None else self.mean_of(parameters)
+        if found is None:
+            return None
+        kinds = (str, Mapping)
+        if (
+            not isinstance(found, tuple)
+            or len(found) != 2
+            or not all(map(isinstance, found, kinds))
+        ):
+            raise ValueError(
+                "what a value is the mean of is a tuple of a field's id and a mapping of its"
+                f" parameters, or None, not {found!r:.60}"
+            )
+        return found
 
     @property
     def takes(self) -> str:
@@ -182,6 +230,7 @@ def objective(
     least: int | None = None,
     fields: Sequence[str] | FieldNames = (),
     share: ShareOf | None = None,
+    mean_of: MeanOf | None = None,
     details: DetailsOf | None = None,
 ) -> Callable[[Callable[..., float]], FunctionObjective]:
     """Turn a function of parts into an objective.
@@ -201,6 +250,10 @@ def objective(
         Where the objective knows which share of the whole area its parts should have: a function
         from the parameters that a call gives to that share, above 0 and at most 1, or to None.
         Searches place their seeds by it.
+    mean_of : callable, optional
+        Where the value on a part is the mean of a field over it, weighted by area: a function from
+        the parameters that a call gives to the field's id and a mapping of its parameters, or to
+        None. Refiners move boundaries by what the field says of each place.
     details : callable, optional
         Where the value comes from several quantities: a function that is called like the objective
         and returns a :class:`moseg_core.Detail` for each. Users see the costliest of each part.
@@ -216,7 +269,7 @@ def objective(
         The first argument's annotation is none of Part, Sequence[Part] and Segmentation.
     ValueError
         A range whose ends are in the wrong order; an unknown requirement, invariance or cost; a
-        share or details that are no function.
+        share, mean or details that are no function; the mean of a field for several parts.
 
     Examples
     --------
@@ -239,11 +292,16 @@ def objective(
     if share is not None and not callable(share):
         raise ValueError(f"an objective's share is a function of its parameters, not {share!r}")
 
+    if mean_of is not None and not callable(mean_of):
+        raise ValueError(f"the field of a mean is told by a function, not {mean_of!r}")
+
     if details is not None and not callable(details):
         raise ValueError(f"an objective's details are told by a function, not {details!r}")
 
     def decorate(function: Callable[..., float]) -> FunctionObjective:
         arity, count = _read_signature(function)
+        if mean_of is not None and arity != "unary":
+            raise ValueError("the value of an objective of several parts is no mean over one")
         spread = arity == "nary" and count is not None
         traits = Traits(
             arity=arity,
@@ -255,6 +313,7 @@ def objective(
             most=count,
             fields=fields if callable(fields) else tuple(fields),
             share=share,
+            mean_of=mean_of,
             details=_spreading(details) if spread and details is not None else details,
         )
         made = FunctionObjective(function, traits, spread=spread)

@@ -121,6 +121,27 @@ class BoundTerm:
                 f" area it expects in '{self.term.call}': {describe(error)}; {REPORT}"
             ) from error
 
+    @property
+    def averaged_field(self) -> tuple[str, Mapping[str, Any]] | None:
+        """The id and parameters of the field whose mean over a part is the value; else None.
+
+        Raises
+        ------
+        UsageError
+            The objective does not accept its parameters.
+        PluginError
+            What it gives for them is no field with its parameters, or it fails.
+        """
+        try:
+            return self.objective.traits.averaged_field(self.parameters)
+        except UsageError as error:  # it says what is wrong with its parameters
+            raise UsageError(f"in '{self.term.call}': {error}") from error
+        except Exception as error:  # a stranger's objective may raise anything
+            raise PluginError(
+                f"objective '{self.id}' of {self.distribution} failed to say of which field"
+                f" '{self.term.call}' is the mean: {describe(error)}; {REPORT}"
+            ) from error
+
     @cached_property
     def memo_key(self) -> Hashable:
         """What tells this objective with these parameters from all others."""

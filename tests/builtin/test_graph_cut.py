@@ -17,7 +17,7 @@ from moseg_core.components.discovery.specs import FieldSpec
 from moseg_core.components.objectives import objective
 from moseg_core.components.part import Part
 from moseg_core.components.protocols import Centers, never_stop
-from moseg_core.errors import ShapeError, UsageError
+from moseg_core.errors import PluginError, ShapeError, UsageError
 from moseg_core.problem.problem import Problem
 from moseg_core.search.evaluator import ProblemEvaluator
 from moseg_core.shape.pins import NO_PINS, Pins
@@ -30,6 +30,12 @@ AROUND = 24
 @objective(range=(0, 1e9))
 def area(part: Part) -> float:
     return part.area
+
+
+@objective(mean_of=lambda given: ("made:unfit", given))
+def fitting(part: Part, *, of: int) -> float:
+    """How badly a label fits the places of a part, by a field of a test."""
+    return part.field("made:unfit", of=of).mean
 
 
 def lathe(xs, radii):
@@ -74,14 +80,25 @@ def with_fields(monkeypatch, **fields):
     )
 
 
-def evaluator_on(shape, n=2, *, pins=NO_PINS, source=None):
-    problem = Problem(list("abcde"[:n]), "area(a)", objectives={"area": area}, registry=source)
+def evaluator_on(shape, n=2, *, pins=NO_PINS, source=None, minimize="area(a)"):
+    own = {"area": area, "fitting": fitting}
+    problem = Problem(list("abcde"[:n]), minimize, objectives=own, registry=source)
     return ProblemEvaluator(shape, problem, Voronoi(shape, n), pins=pins)
 
 
-def refined(shape, labels, n=2, *, pins=NO_PINS, source=None, report=never_stop, **parameters):
+def refined(
+    shape,
+    labels,
+    n=2,
+    *,
+    pins=NO_PINS,
+    source=None,
+    minimize="area(a)",
+    report=never_stop,
+    **parameters,
+):
     cut = GraphCut(**{"field": None, **parameters})
-    evaluator = evaluator_on(shape, n, pins=pins, source=source)
+    evaluator = evaluator_on(shape, n, pins=pins, source=source, minimize=minimize)
     cut.check(evaluator)
     handed = np.array(labels, np.int32)
     handed.flags.writeable = False
@@ -167,7 +184,8 @@ def test_on_a_smooth_surface_a_boundary_becomes_short_and_does_not_wander():
     assert (refined(shape, straight, band=0.1, keep=0.1) == straight).all()
 
 
-def test_on_few_elements_the_labelling_is_the_best_of_all():
+@pytest.mark.parametrize("data", [0.0, 2.0])
+def test_on_few_elements_the_labelling_is_the_best_of_all(monkeypatch, data):
     vertices, faces = shapes.rectangle(4, 3, 4, 3)
     shape = Shape.from_mesh(
         vertices + np.random.default_rng(1).normal(0, 0.15, vertices.shape), faces
@@ -175,7 +193,12 @@ def test_on_few_elements_the_labelling_is_the_best_of_all():
     labels = np.array([0, 0, 1, 1, 0, 1, 1, 1, 0, 0, 0, 1], np.int32)
     links, scale = shape.links, shape.frame.scale
     band = 0.5
-    found = refined(shape, labels, band=band, keep=0.5)
+    unfit = np.random.default_rng(2).normal(0, 1, (2, 12))  # below 0 too
+    source = with_fields(monkeypatch, unfit=lambda shape, *, of: unfit[of])
+    minimize = "fitting(a, of=0) - 0.5*fitting(b, of=1)"
+    found = refined(
+        *(shape, labels), source=source, minimize=minimize, band=band, keep=0.5, data=data
+    )
 
     near = Band.of(shape, labels, 2, width=band, pins=NO_PINS)
     distances = np.full((12, 2), np.inf)
@@ -193,13 +216,99 @@ def test_on_few_elements_the_labelling_is_the_best_of_all():
             for k in range(12)
             if tried[k] != labels[k]
         )
-        return cut + kept
+        told = sum(
+            data * shape.areas[k] / scale**2 * ([1, -0.5][tried[k]] * unfit[tried[k]][k])
+            for k in range(12)
+        )
+        return cut + kept + told
 
     ways = [[k for k in (0, 1) if np.isfinite(d[k])] for d in distances]
     assert sum(len(way) == 2 for way in ways) >= 5
     best = min((np.array(tried) for tried in itertools.product(*ways)), key=cost)
     assert cost(best) < cost(labels)
     assert cost(found) == pytest.approx(cost(best))
+
+
+# --- what the problem says of places -------------------------------------------------------------
+
+
+def strip(monkeypatch, edge):
+    """A strip of 20 by 3 squares, and fields that say that a is before an edge and b behind it."""
+    shape = Shape.from_mesh(*shapes.rectangle(20, 3, 20, 3))
+    behind = shape.points[:, 0] > edge
+
+    def unfit(shape, *, of):
+        return (behind if of == 0 else ~behind).astype(float)
+
+    return shape, with_fields(monkeypatch, unfit=unfit)
+
+
+BOTH = "fitting(a, of=0) + fitting(b, of=1)"
+
+
+def test_a_boundary_goes_where_the_problem_says_that_one_label_ends(monkeypatch):
+    shape, source = strip(monkeypatch, 7)
+    x = shape.points[:, 0]
+    start = (x > 10).astype(np.int32)
+    options = {"source": source, "minimize": BOTH, "band": 0.2}
+    assert (refined(shape, start, data=30.0, **options) == (x > 7)).all()
+    # No further than the band, and only as far as it is worth it to move.
+    assert (refined(shape, start, data=30.0, **(options | {"band": 0.11})) == (x > 8)).all()
+    # To move column k costs 2 (k + 0.5) / 20.2 / 0.2 for its area: 0.25, 0.74, 1.24.
+    for data, edge in ((0.2, 10), (0.3, 9), (1.0, 8), (1.3, 7)):
+        assert (refined(shape, start, data=data, **options) == (x > edge)).all()
+    twice = options | {"minimize": "2*fitting(a, of=0) + 2*fitting(b, of=1)"}
+    assert (refined(shape, start, data=0.5, **twice) == (x > 8)).all()
+
+
+def test_the_other_way_round_it_goes_away_from_there(monkeypatch):
+    shape, source = strip(monkeypatch, 9)
+    x = shape.points[:, 0]
+    start = (x > 8).astype(np.int32)
+    given = {"source": source, "band": 0.1, "data": 30.0}
+    assert (refined(shape, start, minimize=BOTH, **given) == (x > 9)).all()
+    wrong = "fitting(a, of=1) + fitting(b, of=0)"
+    assert (refined(shape, start, minimize=wrong, **given) == (x > 6)).all()
+
+
+def test_without_data_nothing_that_the_problem_says_counts(monkeypatch):
+    shape, source = strip(monkeypatch, 7)
+    askew = (shape.points @ [1, 0.8, 0] > 11).astype(np.int32)
+    options = {"source": source, "band": 0.2, "keep": 0.5}
+    plain = refined(shape, askew, **options)
+    assert (plain != askew).any()
+    assert (refined(shape, askew, minimize=BOTH, **options) == plain).all()
+    assert (refined(shape, askew, data=30.0, **options) == plain).all()  # area is no such mean
+    assert ("field", "made:unfit") not in {key[:2] for key in shape.made_from}
+    said = GraphCut(field=None, data=3.0).check(evaluator_on(shape, source=source))
+    assert said.startswith("refiner 'graph_cut' has no data to go by: no term of the problem is")
+    asked = evaluator_on(shape, source=source, minimize=BOTH)
+    assert GraphCut(field=None, data=3.0).check(asked) == ""
+    assert GraphCut(field=None).check(evaluator_on(shape, source=source)) == ""
+
+
+def test_a_field_that_a_shape_cannot_have_is_known_before_the_search(monkeypatch):
+    shape = tube()
+    broken = with_fields(monkeypatch, unfit=lambda shape, *, of: np.full(3, of))
+    asked = evaluator_on(shape, source=broken, minimize=BOTH)
+    with pytest.raises(PluginError, match="field 'made:unfit' must return a finite number"):
+        GraphCut(field=None, data=1.0).check(asked)
+    assert GraphCut(field=None).check(asked) == ""
+
+
+def test_places_count_on_solids_clouds_and_embedded_shapes_too(monkeypatch):
+    def unfit(shape, *, of):
+        return np.abs((shape.points[:, 0] > 4) - float(of))
+
+    options = {"source": with_fields(monkeypatch, unfit=unfit), "minimize": BOTH, "band": 0.3}
+    block = Shape.from_voxels(np.ones((12, 2, 2), bool))
+    grid = np.stack(np.meshgrid(np.arange(12.0) + 0.5, np.arange(3.0), [0.0]), -1).reshape(-1, 3)
+    sheet = Shape.from_mesh(*shapes.rectangle(12, 3, 12, 3))
+    bent = sheet.deformed(sheet.geometry.vertices * [1.0, 3.0, 1.0], space="bent")
+    for shape in (block, Shape.from_points(grid, adjacency="knn"), bent):
+        x = shape.points[:, 0]
+        start = (x > 6).astype(np.int32)
+        assert (refined(shape, start, data=100.0, **options) == (x > 4)).all(), shape.noun
 
 
 # --- what does not break -------------------------------------------------------------------------

@@ -115,6 +115,30 @@ def test_a_share_is_a_number_above_0_and_at_most_1(share):
         Traits(arity="unary", share=share_of).expected_share({"share": share})
 
 
+def size_of(given):
+    return given.get("field")
+
+
+def test_an_objective_may_say_which_field_it_is_the_mean_of():
+    made = objective(range=(0, 1), mean_of=size_of)(size)
+    assert made.traits.mean_of is size_of
+    assert made.traits.averaged_field({"field": ("a:b", {"k": 1})}) == ("a:b", {"k": 1})
+    assert made.traits.averaged_field({}) is None
+    assert one.traits.averaged_field({"field": ("a:b", {})}) is None
+    with pytest.raises(ValueError, match=r"told by a function, not 'a:b'"):
+        objective(mean_of="a:b")
+    with pytest.raises(ValueError, match="of several parts is no mean over one"):
+        objective(mean_of=size_of)(two._function)
+
+
+@pytest.mark.parametrize(
+    "field", ["a:b", ("a:b",), ("a:b", {}, {}), ["a:b", {}], ("a:b", None), (1, {}), True]
+)
+def test_of_which_field_is_a_name_with_parameters(field):
+    with pytest.raises(ValueError, match="is a tuple of a field's id and a mapping of its param"):
+        Traits(arity="unary", mean_of=size_of).averaged_field({"field": field})
+
+
 def test_fields_are_a_tuple_or_a_function_of_the_parameters():
     def named(parameters):
         return (f"basic:{parameters['what']}",)

@@ -369,6 +369,34 @@ def test_an_objective_that_fails_to_say_which_share_it_expects_is_named():
         _ = term.expected_share
 
 
+def field_of_shown(given):
+    if given.get("k") == 2:
+        raise UsageError("k=2 goes with nothing")
+    return "made:shown", {} if given["k"] == 3 else given
+
+
+@objective(range=(0, 1), mean_of=field_of_shown)
+def shown(part: Part, *, k: float = 0.0) -> float:
+    return 0.0
+
+
+def test_a_term_says_which_field_it_is_the_mean_of():
+    def term(text):
+        return bind(parse(text), LABELS, {"shown": shown, "thin": thin}, Registry(()))[0]
+
+    assert term("-2*shown(leg*, k=1)").averaged_field == ("made:shown", {"k": 1})
+    assert term("shown(head, k=3)").averaged_field == ("made:shown", {})
+    assert term("thin(head)").averaged_field is None
+    with pytest.raises(UsageError, match=r"in 'shown\(head, k=2\)': k=2 goes with nothing"):
+        _ = term("shown(head, k=2)").averaged_field
+    with pytest.raises(PluginError) as caught:
+        _ = term("shown(head)").averaged_field
+    assert str(caught.value).startswith(
+        "objective 'python:shown' of the calling program failed to say of which field 'shown(head)'"
+        " is the mean: KeyError"
+    )
+
+
 @pytest.mark.parametrize(
     ("text", "takes", "given_count"),
     [

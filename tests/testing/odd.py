@@ -121,6 +121,22 @@ def steep(part: Part) -> float:
     return part.field("given:skewed").mean
 
 
+def times(given):
+    """Of what `raised` is the mean, which it is not where it is turned upside down."""
+    if given.get("upside_down"):
+        return None
+    return "given:height", {"factor": given.get("factor", 1.0)}
+
+
+@objective(fields=("given:height",), mean_of=times)
+def raised(
+    part: Part, *, factor: Annotated[float, Interval(0, 10)] = 1.0, upside_down: bool = False
+) -> float:
+    """An objective that is the mean of a field, by its parameters, but for one of them."""
+    mean = part.field("given:height", factor=factor).mean
+    return -mean if upside_down else mean
+
+
 @objective(requires=("adjacency",), invariant_to=("rigid", "order"))
 def ragged(part: Part) -> float:
     """An objective on the boundary of a part."""

@@ -9,6 +9,7 @@ objectives say they require. What an objective may moreover promise to leave alo
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -19,6 +20,7 @@ from moseg_core.components.detail import Detail
 from moseg_core.components.discovery.lookup import Lookup
 from moseg_core.components.discovery.registry import describe
 from moseg_core.components.memo import Memo
+from moseg_core.components.part import Part
 from moseg_core.components.protocols import Batch, Objective
 from moseg_core.errors import MosegError, UsageError
 from moseg_core.language.terms import format_call
@@ -254,6 +256,46 @@ def _expects_a_share(subject: Subject) -> None:
                 fix="return None where the parameters, those that a call gives and no defaults, do"
                 " not tell",
             ) from error
+
+
+@check("objective-is-the-mean-it-says", kinds=["objective"])
+def _is_the_mean_it_says(subject: Subject) -> None:
+    """Refiners move boundaries by the field of which a value is said to be the mean."""
+    target: Objective = subject.load()
+    if target.traits.mean_of is None:
+        raise Skip("it does not say that it is the mean of a field")
+    parts = calls_on(target, segmented(subject, lump(), slicings(lump())[SLICED[0]]))
+    for given in _calls_allowed(subject):
+        try:
+            averaged = target.traits.averaged_field(given)
+        except UsageError:
+            continue  # its parameters do not go together, and it says so
+        except Exception as error:  # a stranger's objective may raise anything
+            said = format_call("", parameters=given.items()) or "no parameters"
+            raise ContractFailure(
+                did=f"it was asked which field it is the mean of, given {said}",
+                got=describe(error),
+                expected="a field's id and a mapping of its parameters, or None",
+                fix="return None where the value is no mean for these parameters, those that a call"
+                " gives and no defaults",
+            ) from error
+        if averaged is None:
+            continue
+        values: Answers = {title: attempt(target, part, **given) for title, part in parts.items()}
+        values = {title: value for title, value in values.items() if not isinstance(value, Raised)}
+        means = {title: attempt(_mean, parts[title], *averaged) for title in values}
+        call = format_call(averaged[0], parameters=averaged[1].items())
+        expect_same(
+            *(means, values),
+            did=f"parts of the lump were compared by the mean of {call} and by its value, which it"
+            " says is the same",
+            fix="let mean_of name that field whose mean over the part, weighted by area, is the"
+            " value; or leave it out",
+        )
+
+
+def _mean(part: Part, name: str, parameters: Mapping[str, Any]) -> float:
+    return part.field(name, **parameters).mean
 
 
 @check("objective-tells-details", kinds=["objective"])

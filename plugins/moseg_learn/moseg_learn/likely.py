@@ -37,6 +37,7 @@ def fields_of(given: Mapping[str, Any]) -> tuple[str, ...]:
     requires=("surface", "adjacency"),
     invariant_to=("rigid", "scale", "reflection", "order"),
     fields=fields_of,
+    mean_of=lambda given: ("learn:unlikeliness", given),
 )
 def likely(part: Part, *, kind: str, among: Table) -> float:
     """The mean over the part of ``-log p``, how unlikely it is that it is of a kind.
@@ -58,6 +59,8 @@ def likely(part: Part, *, kind: str, among: Table) -> float:
 
     Notes
     -----
+    A refiner may go by what it says of each place, as ``graph_cut(data=3)`` does.
+
     With one term for each part, weighted by areas, it is the unary energy of Kalogerakis, Hertzmann
     and Singh 2010, doi:10.1145/1778765.1778839; a mean of each part, it says as much of an ear
     as of a torso.

@@ -50,6 +50,12 @@ def test_mean_over_the_part(hammer, truth):
         assert likely(part, kind="head", among=moseg.Table(LOOKS)) == pytest.approx(mean)
 
 
+def test_it_says_of_which_field_it_is_the_mean():
+    term = problem("2*likely(head, kind=head, among=looks)", {"looks": LOOKS}).terms[0]
+    given = {"kind": "head", "among": moseg.Table(LOOKS)}
+    assert term.averaged_field == ("learn:unlikeliness", given)
+
+
 def test_the_same_of_super_elements(hammer, truth):
     coarse = coarsen(hammer, 500)
     labels = np.arange(coarse.n_elements) % 2
@@ -108,7 +114,8 @@ def test_contract(monkeypatch, tmp_path):
         "_LOOKS = Table({'body': {'thickness': 2, 'area_within_8': 1, 'constant': 3}, 'leg': {}})\n"
         "@objective(range=(0, MOST), requires=likely.traits.requires,\n"
         "           invariant_to=likely.traits.invariant_to,\n"
-        "           fields=fields_of({}))\n"
+        "           fields=fields_of({}), mean_of=lambda given: (\n"
+        "               'learn:unlikeliness', {'kind': 'body', 'among': _LOOKS}))\n"
         "def body(part: Part) -> float:\n"
         "    return likely(part, kind='body', among=_LOOKS)\n"
     )
@@ -126,3 +133,4 @@ def test_contract(monkeypatch, tmp_path):
         "objective-scale",
     } < passed
     assert {"objective-reflection", "objective-order", "objective-memo-equals-fresh"} < passed
+    assert "objective-is-the-mean-it-says" in passed

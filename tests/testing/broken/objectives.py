@@ -24,6 +24,7 @@ _NAMES = {
     "objective-declares-its-fields": "reads_in_secret",
     "objective-keeps-shapes-apart": "goes_by_the_name",
     "objective-expects-a-share": "expects_whatever_is_said",
+    "objective-is-the-mean-it-says": "is_in_the_middle",
     "objective-tells-details": "tells_tales",
     "objective-memo-equals-fresh": "looks_into_the_memo",
     "objective-batch-equals-loop": "gets_tired",
@@ -131,6 +132,35 @@ def goes_by_the_name(part: Part) -> float:
 def expects_whatever_is_said(part: Part, *, share: Annotated[float, Interval(0, 1)] = 0.5) -> float:
     """With a share of 0 no part is content."""
     return abs(part.area / part.shape.area - share)
+
+
+@objective(fields=("given:height",), mean_of=lambda given: ("given:height", {}))
+def is_in_the_middle(part: Part) -> float:
+    """It is halfway between the least and the greatest value, and not the mean."""
+    height = part.field("given:height")
+    return (height.least + height.greatest) / 2
+
+
+@objective(fields=("given:height",), mean_of=lambda given: "given:height")
+def names_a_field_alone(part: Part) -> float:
+    """It does not say which parameters the field has."""
+    return part.field("given:height").mean
+
+
+@objective(mean_of=lambda given: ("given:higth", {}))
+def is_a_mean_of_nothing(part: Part) -> float:
+    """Nobody has the field that it is said to be the mean of."""
+    return part.area
+
+
+@objective(
+    fields=("given:height",), mean_of=lambda given: ("given:height", {"factor": given["factor"]})
+)
+def scales_what_was_not_said(
+    part: Part, *, factor: Annotated[float, Interval(0, 10)] = 1.0
+) -> float:
+    """A call need not give a parameter that has a default."""
+    return part.field("given:height", factor=factor).mean
 
 
 @objective(range=(0, 1), details=lambda part: [("area", part.area)])

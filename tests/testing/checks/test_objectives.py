@@ -24,6 +24,9 @@ def test_it_fails_this_check_and_no_other(id):
         ("follows_all_boundaries", {"objective-returns", "objective-requires-what-it-reads"}),
         ("asks_what_was_not_said", {"objective-fields-exist"}),
         ("reads_by_another_way", {"objective-declares-its-fields"}),
+        ("names_a_field_alone", {"objective-is-the-mean-it-says"}),
+        ("is_a_mean_of_nothing", {"objective-is-the-mean-it-says"}),
+        ("scales_what_was_not_said", {"objective-is-the-mean-it-says"}),
     ],
 )
 def test_what_an_objective_may_read(name, expected):
@@ -32,7 +35,7 @@ def test_what_an_objective_may_read(name, expected):
 
 
 @pytest.mark.parametrize(
-    "name", ["share", "near", "four", "sized", "level", "steep", "ragged", "at_edges"]
+    "name", ["share", "near", "four", "sized", "level", "steep", "raised", "ragged", "at_edges"]
 )
 def test_unusual_objectives_pass(name):
     found = outcomes(ObjectiveSpec(name="odd", target=f"tests.testing.odd:{name}"))
