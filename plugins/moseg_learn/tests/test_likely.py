@@ -14,6 +14,7 @@ from moseg_core import (
     Component,
     ObjectiveSpec,
     Problem,
+    ProblemEvaluator,
     Registry,
     Segmentation,
     UsageError,
@@ -79,6 +80,29 @@ def test_in_an_expression_the_right_labels_cost_least(hammer, truth):
     right = np.array(number)[truth.labels]
     values = [asked.evaluate(hammer, labels).cost.value for labels in (right, 1 - right)]
     assert values[0] < 0.5 < 3 < values[1]
+
+
+def test_a_refiner_moves_a_boundary_that_is_far_off_by_what_it_says_of_places(hammer, truth):
+    asked = problem(
+        "likely(head, kind=head, among=looks) + likely(handle, kind=handle, among=looks)",
+        {"looks": LOOKS},
+    )
+    right = np.array([["head", "handle"].index(name) for name in truth.names])[truth.labels]
+    x = hammer.points[:, 0]
+    along = x[right == 1]
+    start = np.where(x > along.max() - 0.3 * np.ptp(along), 0, right).astype(np.int32)
+    voronoi = registry().find("parameterization", "voronoi").load()
+    graph_cut = registry().find("refiner", "graph_cut").load()
+    evaluator = ProblemEvaluator(hammer, asked, voronoi(hammer, 2))
+
+    def wrong(labels):
+        return hammer.areas[labels != right].sum() / hammer.area
+
+    plain, told = (
+        wrong(graph_cut(band=0.2, data=data)(evaluator, start, report=lambda progress: False))
+        for data in (0.0, 3.0)
+    )
+    assert told < 0.1 < 0.13 < plain < wrong(start)
 
 
 @pytest.mark.parametrize(
