@@ -59,7 +59,7 @@ def likely(part: Part, *, kind: str, among: Table) -> float:
 
     Notes
     -----
-    A refiner may go by what it says of each place, as ``graph_cut(data=3)`` does.
+    A refiner may go by what it says of each place, as ``graph_cut(data=2)`` does.
 
     With one term for each part, weighted by areas, it is the unary energy of Kalogerakis, Hertzmann
     and Singh 2010, doi:10.1145/1778765.1778839; a mean of each part, it says as much of an ear
