@@ -18,7 +18,7 @@ from collections.abc import Container, Iterator, Sequence
 from dataclasses import replace
 from typing import Annotated, Any
 
-from moseg_core import Example, Interval, Method, Recipe, Statement, Table
+from moseg_core import Example, Interval, Method, Recipe, Statement, Table, UsageError
 from moseg_learn.discriminant import fit_looks
 from moseg_learn.label_sets import LabelSets, label_sets_of
 from moseg_learn.names import argument, check_numbers
@@ -32,6 +32,13 @@ _SEARCH = Method(
 )
 """How a learned recipe is searched: bodies of several cells, small parts found by their size."""
 
+_PLACES = 2.0
+"""What a refiner multiplies the negative logarithm of a place's likelihood by.
+
+With it, in a band of a fifth of the diagonal, people's parts cut by Voronoi came nearest to what
+people say, of factors from 0.5 to 10 and bands from 0.05 to 0.5.
+"""
+
 _STARTS = 2
 """How often, where there is one label set; where there are several, each is searched once."""
 
@@ -44,7 +51,7 @@ def profiles(
     likely: Annotated[float, Interval(0)] = 1.0,
     touching: Annotated[float, Interval(0)] = 2.0,
     apart: Annotated[float, Interval(0)] = 0.5,
-    refiner: str = "none",
+    refiner: str = "auto",
     prior: Annotated[float, Interval(0.5)] = 6.0,
     floor: Annotated[float, Interval(0.1)] = 2.0,
     resolution: Annotated[int, Interval(0)] = 2000,
@@ -65,7 +72,8 @@ def profiles(
     touching, apart : float
         Weight of each pair of parts that always touches, or never does.
     refiner : str
-        What moves boundaries at the end: "graph_cut", or "none".
+        What moves boundaries at the end, or "none"; "auto" is a ``graph_cut`` that goes by creases
+        and by how likely places are.
     prior : float
         How many parts the common spread counts as in the spread of a kind.
     floor : float
@@ -80,15 +88,22 @@ def profiles(
     Raises
     ------
     UsageError
-        An example of one part.
+        All examples are of one part. Where others are not, those that are count for nothing: they
+        do not show where parts meet.
     ShapeError
         A shape lacks what is measured.
     """
     check_numbers(numbers)
-    cut = sorted(
+    seen = sorted(
         (pieces_of(example, numbers=numbers) for example in examples),
         key=lambda pieces: (pieces.described(), pieces.shape.fingerprint),
     )
+    cut = [pieces for pieces in seen if len(pieces.kinds) > 1]
+    if not cut:
+        raise UsageError(
+            f"'{seen[0].shape.name}' is one part, {seen[0].kinds[0]}; an example shows where parts"
+            f" meet, so label two or more"
+        )
     measured = [pieces.at(resolution) for pieces in cut]
     sets = label_sets_of([pieces.counts() for pieces in cut])
     tables = profiles_of(measured, prior=prior, floor=floor)
@@ -111,7 +126,7 @@ def profiles(
         given=Table(given),
         search=replace(
             _SEARCH,
-            refiner=None if refiner == "none" else refiner,
+            refiner=_refiner(refiner, likely if looks else 0.0),
             restarts=1 if sets.variants else _STARTS,
         ),
     )
@@ -120,8 +135,20 @@ def profiles(
         name="learned",
         statement=statement,
         description=f"Learned from {n} example{'s' * (n > 1)}.",
-        learned_from=tuple(pieces.described() for pieces in cut),
+        learned_from=(
+            *(pieces.described() for pieces in cut),
+            *(f"{p.described()} (not learned from: one part)" for p in seen if p not in cut),
+        ),
     )
+
+
+def _refiner(asked: str, likely: float) -> str | None:
+    """The refiner of the recipe; with the weight of likely places, 0 where nothing is known."""
+    if asked == "none":
+        return None
+    if asked != "auto":
+        return asked
+    return f"graph_cut(band=0.2, data={_PLACES / likely:g})" if likely else "graph_cut"
 
 
 def _profile_terms(sets: LabelSets) -> Iterator[str]:

@@ -20,7 +20,7 @@ from scipy import sparse
 from scipy.sparse import csgraph
 from scipy.spatial import cKDTree
 
-from moseg_core import Example, Segmentation, Shape, UsageError, coarsen
+from moseg_core import Example, Segmentation, Shape, coarsen
 from moseg_learn.names import kind_of
 
 SCRAP = 0.002
@@ -108,11 +108,6 @@ def pieces_of(example: Example, *, numbers: str = "alike", scrap: float = SCRAP)
         Whether names that differ in their numbers name one kind.
     scrap : float
         Share of the area below which a piece is no part.
-
-    Raises
-    ------
-    UsageError
-        There is one part only.
     """
     shape = example.shape
     piece, names = _connected(shape, example.labels)
@@ -120,11 +115,6 @@ def pieces_of(example: Example, *, numbers: str = "alike", scrap: float = SCRAP)
     if small.any():
         piece, names = _rejoined(_without(small, piece, shape), names, shape)
     kinds = [kind_of(example.names[name], numbers=numbers) for name in names]
-    if len(kinds) < 2:
-        raise UsageError(
-            f"'{shape.name}' is one part, {kinds[0]}; an example shows where parts meet, so label"
-            f" two or more"
-        )
     areas = _areas(piece, shape, len(names))
     order = sorted(range(len(kinds)), key=lambda k: (kinds[k], -areas[k], k))
     number = np.empty(len(order), np.int64)

@@ -27,9 +27,9 @@ says how much the term counts, 1 where there is none. leg* stands for every leg.
   touching(body, leg*)    whether the first part touches each of the others
   apart(head, leg*)       whether any two of all these parts touch, legs among themselves too
   separate_parts          parts should be joined along short lines, in creases
-Before touching and apart stand 2 and 0.5 for each pair of parts, unless asked otherwise: the learner
-takes what always, or never, was so. Change any number, delete a term, or add one, as + narrow(leg*):
-legs longer than wide. 'moseg plugin list' names what there is.""",
+Before touching and apart stand 2 and 0.5 for each pair of parts, unless asked otherwise; they say
+what always, or never, was so. Change any number, delete a term, or add one, as + narrow(leg*): legs
+longer than wide. 'moseg plugin list' names what there is.""",
     "parameterization": """\
 How it is searched; nothing here says what is looked for. 'moseg plugin explain voronoi' says what a
 name means.""",
@@ -60,7 +60,7 @@ to insist on a value, delete a line that should not count.
 
 _LOOKS = """\
 What single places on each kind of part look like. Such a table is a fit: each number says how much
-more (less, where negative) a place is taken for this kind where that quantity is greater by one, and
+more (less, where negative) a place is taken for this kind where a quantity is greater by one, and
 'constant' is added. Quantities that end in within_8 are of what lies within 8 % of the diagonal
 around a place: area, length, width, depth, mean thickness, concavity and remoteness there, and
 offset, how far the middle of all that is from the place. concavity: how sharp a crease the place

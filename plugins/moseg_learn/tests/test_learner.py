@@ -98,3 +98,14 @@ def test_clouds_are_learned_from_by_what_they_tell():
     assert "likely" not in found.statement.minimize
     assert "thickness" not in found.statement.given["a"]
     assert found.hierarchies()
+
+
+def test_examples_of_one_part_show_too_little(herd, make):
+    whole = make.beast(name="whole")
+    whole = Example(whole.shape, np.zeros_like(whole.labels), ("body",))
+    with pytest.raises(UsageError, match="'whole' is one part, body"):
+        learn([whole])
+    recipe = learn([herd[0], whole])
+    alone = learn([herd[0]])
+    assert recipe.statement == alone.statement
+    assert recipe.learned_from[1] == "whole: body (not learned from: one part)"

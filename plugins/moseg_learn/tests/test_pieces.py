@@ -1,10 +1,9 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 from moseg_learn.pieces import pieces_of
 
-from moseg_core import Example, Shape, UsageError
+from moseg_core import Example, Shape
 
 
 def strip(labels, names, *, widths=None, name="strip"):
@@ -61,11 +60,6 @@ def test_where_nothing_is_known_to_touch_a_name_is_one_part():
     cloud = Shape.from_points(np.random.default_rng(0).normal(size=(40, 3)))
     pieces = pieces_of(Example(cloud, np.arange(40) % 2, ("a", "b")))
     assert pieces.counts() == {"a": 1, "b": 1}
-
-
-def test_an_example_of_one_part_is_refused():
-    with pytest.raises(UsageError, match="'strip' is one part, body"):
-        pieces_of(strip([0, 0], ("body", "leg")))
 
 
 def test_on_super_elements_parts_are_the_same_but_for_their_borders(make):
