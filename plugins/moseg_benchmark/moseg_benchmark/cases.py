@@ -14,7 +14,7 @@ import time
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -71,10 +71,25 @@ class BenchmarkCase:
         return self.method not in (PEOPLE, KMEANS, COSTS)
 
     @property
+    def subject(self) -> dict[str, Any]:
+        """What a result says of its case."""
+        return {
+            "model": self.model.number,
+            "category": self.model.category,
+            "method": self.method,
+            "recipe": self.recipe.name if self.recipe else "",
+            "seed": self.seed,
+        }
+
+    @property
     def key(self) -> str:
         """A name for files."""
         recipe = f"-{self.recipe.name}" if self.recipe else ""
         return f"{self.model.number}{recipe}-{self.method}-{self.seed}"
+
+    def read_result(self, document: Mapping[str, Any]) -> CaseResult:
+        """A result of such a case from plain data."""
+        return CaseResult.read(document)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -119,7 +134,7 @@ class CaseResult:
     failure: str = ""
 
     @classmethod
-    def read(cls, document: Mapping[str, Any]) -> CaseResult:
+    def read(cls, document: Mapping[str, Any]) -> Self:
         """From plain data, as :func:`dataclasses.asdict` makes them."""
         return cls(**{**document, "people": tuple(document["people"])})
 
@@ -139,24 +154,29 @@ def run_case(case: BenchmarkCase, *, report: Report) -> tuple[CaseResult, IntArr
     labels : (F,) int or None
         The labelling that was measured, where there is a single one.
     """
-    subject: dict[str, Any] = {
-        "model": case.model.number,
-        "category": case.model.category,
-        "method": case.method,
-        "recipe": case.recipe.name if case.recipe else "",
-        "seed": case.seed,
-    }
+    subject = case.subject
     try:
         shape = load(case.model.mesh)
-        people = [read_labels(path, shape.n_elements).labels for path in case.model.people]
-        if not people:
-            raise UsageError("there are no segmentations by people")
+        people = read_people(case.model, shape)
         values, labels = _measure(case, shape, people, report)
     except MosegError as error:
         return CaseResult(**subject, failure=str(error)), None
     except Exception as error:  # noqa: BLE001  # a bug in one case must not lose the others' results
         return CaseResult(**subject, failure=f"{type(error).__name__}: {error}"), None
     return CaseResult(**subject, **values), labels
+
+
+def read_people(model: Model, shape: Shape) -> list[IntArray]:
+    """Each person's segmentation of a model.
+
+    Raises
+    ------
+    UsageError
+        There are none.
+    """
+    if not model.people:
+        raise UsageError("there are no segmentations by people")
+    return [read_labels(path, shape.n_elements).labels for path in model.people]
 
 
 def _measure(
@@ -166,7 +186,7 @@ def _measure(
         return {"rand_index_error": _error_between(people)}, None
     if case.method == KMEANS:
         labels = cluster(shape, round(statistics.median(len(np.unique(p)) for p in people)))
-        return {"rand_index_error": _error_against(labels, people)}, labels
+        return {"rand_index_error": error_against(labels, people)}, labels
     assert case.recipe is not None  # everything else has one
     tasks = case.recipe.hierarchies()
     named = _named_parts(case, shape)
@@ -186,7 +206,7 @@ def _measure(
     first = [leaves.index(_first_leaf(tasks, name)) for name in result.problem.labels]
     labels = np.array(first)[result.labels]
     values: dict[str, Any] = {
-        "rand_index_error": _error_against(labels, people),
+        "rand_index_error": error_against(labels, people),
         "seconds": seconds,
         "cost": result.cost,
         "empty": len(result.evaluation.empty),
@@ -232,7 +252,7 @@ def _named_parts(case: BenchmarkCase, shape: Shape) -> Labelling | None:
     return read_labels(case.model.names, shape.n_elements)
 
 
-def _error_against(labels: IntArray, people: list[IntArray]) -> float:
+def error_against(labels: IntArray, people: list[IntArray]) -> float:
     """1 - Rand Index, mean over people."""
     return statistics.fmean(rand_index_error(labels, person) for person in people)
 

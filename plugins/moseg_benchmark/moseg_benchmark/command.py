@@ -19,6 +19,7 @@ from moseg_core import UsageError
 
 if TYPE_CHECKING:
     from moseg_benchmark.cases import CaseResult
+    from moseg_benchmark.learned_cases import Lessons
     from moseg_benchmark.tables import Table
     from moseg_core import Recipe
 
@@ -43,9 +44,14 @@ Flag = Annotated[bool, Parameter(negative=())]
 @benchmark.command
 def psb(
     *,
-    data: Path,
+    data: Path | None = None,
     category: Repeated = None,
     recipe_for: Repeated = None,
+    learn: Flag = False,
+    examples: str = "all",
+    learner: str = "profiles",
+    train: Path | None = None,
+    test: Path | None = None,
     settings: str = "default",
     seeds: str = "0",
     workers: int | None = None,
@@ -62,6 +68,10 @@ def psb(
     --------
     moseg benchmark psb --data psb --category Fourleg --settings default,paper --seeds 0-2 -o report
 
+    moseg benchmark psb --data psb --learn --examples 1,2,4 --seeds 0-2 -o report
+
+    moseg benchmark psb --train mine --test others -o report
+
     Parameters
     ----------
     data
@@ -70,7 +80,17 @@ def psb(
         Only these models: Fourleg, Human, ... Repeatable.
     recipe_for
         Which recipe to search a category's models with: Fourleg=fourleg, or a path; none searches
-        nothing. Repeatable.
+        nothing, usual (the default without --learn) those that come with moseg. Repeatable.
+    learn
+        Search each model with a recipe that was learned from others of its category.
+    examples
+        From how many: all, or numbers such as 1,2,4. The next ones in cyclic order are taken.
+    learner
+        What learns, and how: profiles, "profiles(separate=5)".
+    train
+        With --test in place of --data: the folder of the models to learn from.
+    test
+        The folder of the models to search with what was learned.
     settings
         "default", "paper", or both with a comma between.
     seeds
@@ -84,13 +104,18 @@ def psb(
     quiet
         Print the tables only.
     """
+    from moseg_benchmark.learned_tables import all_tables
     from moseg_benchmark.psb import CATEGORIES, check_category, find_models
     from moseg_benchmark.run import BenchmarkRequest, run_benchmark
-    from moseg_benchmark.tables import all_tables, failures
+    from moseg_benchmark.tables import failures
     from moseg_core import SearchOptions, available_workers
 
+    searched, teaching = read_folders(data, train, test)
+    learning = learn or teaching is not None
+    if not learning and (examples, learner) != ("all", "profiles"):
+        raise UsageError("--examples and --learner say how to learn; ask for it with --learn")
     categories = tuple(check_category(name) for name in category or ())
-    recipes = read_recipes(recipe_for or USUAL_RECIPES)
+    recipes = read_recipes(recipe_for or (["none"] if learning else ["usual"]))
     for name in recipes if recipe_for and categories else ():
         if name not in categories:
             raise UsageError(
@@ -98,10 +123,11 @@ def psb(
                 f" {', '.join(categories)} only"
             )
     request = BenchmarkRequest(
-        models=find_models(data, categories),
+        models=find_models(searched, categories),
         recipes=recipes,
         settings=list(dict.fromkeys(name.strip() for name in settings.split(","))),
         seeds=read_seeds(seeds),
+        lessons=read_lessons(examples, learner, teaching, categories) if learning else None,
     )
     processes = available_workers() if workers is None else SearchOptions(workers=workers).workers
     if out.exists() and not out.is_dir():
@@ -122,8 +148,60 @@ def psb(
         _print_message(f"wrote {out / 'index.html'} and {out / 'report.json'}")
 
 
+def read_folders(
+    data: Path | None, train: Path | None, test: Path | None
+) -> tuple[Path, Path | None]:
+    """The folder of the models to search, and that of others to learn from.
+
+    Raises
+    ------
+    UsageError
+        Neither one folder nor two with different tasks.
+    """
+    if data is not None and train is None and test is None:
+        return data, None
+    if data is None and train is not None and test is not None:
+        return test, train
+    raise UsageError(
+        "the models are in one folder, --data DIR, or in two, --train DIR to learn from and"
+        " --test DIR to search"
+    )
+
+
+def read_lessons(
+    examples: str, learner: str, teaching: Path | None, categories: tuple[str, ...]
+) -> Lessons:
+    """What to learn from.
+
+    Raises
+    ------
+    UsageError
+        Numbers that are none, an unknown learner, or a folder without models.
+
+    Examples
+    --------
+    >>> read_lessons("1,2,all", "profiles", None, ()).examples
+    (1, 2, None)
+    """
+    from moseg_benchmark.learned_cases import Lessons
+    from moseg_benchmark.psb import find_models
+    from moseg_core import Choice, registry
+
+    words = [word.strip() for word in examples.split(",")]
+    if not all(word == "all" or re.fullmatch("[1-9][0-9]*", word) for word in words):
+        raise UsageError(f"the numbers of examples '{examples}' are not understood; write 1,2,all")
+    registry().find("learner", Choice.read(learner, "learner").name)
+    return Lessons(
+        examples=tuple(dict.fromkeys(None if word == "all" else int(word) for word in words)),
+        learner=learner,
+        teachers=None if teaching is None else tuple(find_models(teaching, categories)),
+    )
+
+
 def read_recipes(words: Sequence[str]) -> dict[str, Recipe]:
-    """Recipes by category, from words such as ``Fourleg=fourleg``; no recipe from ``none`` alone.
+    """Recipes by category, from words such as ``Fourleg=fourleg``.
+
+    The word ``none`` alone stands for no recipe, and ``usual`` for :data:`USUAL_RECIPES`.
 
     Raises
     ------
@@ -140,7 +218,8 @@ def read_recipes(words: Sequence[str]) -> dict[str, Recipe]:
     from moseg_core import load_recipe
 
     recipes: dict[str, Recipe] = {}
-    for word in () if list(words) == ["none"] else words:
+    together: dict[tuple[str, ...], Sequence[str]] = {("none",): (), ("usual",): USUAL_RECIPES}
+    for word in together.get(tuple(words), words):
         name, equals, recipe = (piece.strip() for piece in word.partition("="))
         if not equals or not recipe:
             raise UsageError(

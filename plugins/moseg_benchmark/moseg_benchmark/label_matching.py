@@ -92,9 +92,16 @@ def labels_of_names(
     kinds = [fold(label) for label in labels]
     matched = np.full(shape.n_elements, -1, np.int64)
     for kind, numbers in _names_of_kinds(named, labels, naming).items():
-        elements = np.flatnonzero(np.isin(named.labels, numbers))
         instances = [k for k, other in enumerate(kinds) if other == kind]
-        matched[elements] = np.array(instances)[_pieces(shape, elements, len(instances))]
+        own = [(named.names or ())[number] for number in numbers]
+        if len(own) > 1 and sorted(own) == sorted(labels[k] for k in instances):
+            for number, name in zip(numbers, own, strict=True):
+                matched[named.labels == number] = labels.index(name)
+            continue
+        elements, piece = _pieces_of_kind(shape, named, numbers)
+        matched[elements] = np.array(instances)[
+            _main_pieces(shape, elements, piece, len(instances))
+        ]
     return matched
 
 
@@ -144,8 +151,7 @@ def _misfit(
     groups = _names_of_kinds(named, labels, naming)
     alone = 0
     for kind in dict.fromkeys(kinds):
-        elements = np.flatnonzero(np.isin(named.labels, groups.get(kind, [])))
-        alone += abs(_count_pieces(shape, elements) - kinds.count(kind))
+        alone += abs(_count_pieces(shape, named, groups.get(kind, [])) - kinds.count(kind))
     return sum(len(group) - 1 for group in groups.values()), alone
 
 
@@ -160,24 +166,73 @@ def _names_of_kinds(
     return groups
 
 
-def _count_pieces(shape: Shape, elements: IntArray) -> int:
+def piece_counts(shape: Shape, named: Labelling) -> dict[str, int]:
+    """The number of connected pieces of each kind, specks left out.
+
+    Parameters
+    ----------
+    shape : Shape
+    named : Labelling
+        With names.
+
+    Returns
+    -------
+    dict of str to int
+        Kinds, names without instance number, in alphabetical order.
+
+    Examples
+    --------
+    >>> tile = Shape.from_mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]], [[0, 1, 2], [1, 3, 2]])
+    >>> piece_counts(tile, Labelling(labels=np.array([0, 1]), names=("side1", "side2")))
+    {'side': 2}
+    """
+    groups: dict[str, list[int]] = {}
+    for k in np.unique(named.labels).tolist():
+        groups.setdefault(fold((named.names or ())[k]), []).append(k)
+    return {kind: _count_pieces(shape, named, groups[kind]) for kind in sorted(groups)}
+
+
+def _count_pieces(shape: Shape, named: Labelling, numbers: Sequence[int]) -> int:
     """The number of connected pieces that are no specks; at least one, where there are elements."""
-    if shape.adjacency is None or not len(elements):
-        return min(1, len(elements))
-    count, component = shape.adjacency.components(elements)
-    areas = np.bincount(component, shape.areas[elements], count)
+    if not numbers:
+        return 0
+    elements, piece = _pieces_of_kind(shape, named, numbers)
+    areas = np.bincount(piece, shape.areas[elements])
     return max(1, int((areas >= _SPECK * shape.area).sum()))
 
 
-def _pieces(shape: Shape, elements: IntArray, n: int) -> IntArray:
-    """(k,) int: which of at most `n` connected pieces each element belongs to, largest first."""
-    if n == 1 or shape.adjacency is None:
+def _pieces_of_kind(
+    shape: Shape, named: Labelling, numbers: Sequence[int]
+) -> tuple[IntArray, IntArray]:
+    """The elements of some names, and the number of the connected piece that each belongs to.
+
+    What people numbered, ``finger1`` beside ``finger2``, is not one piece though it touches; what
+    goes by a name that is not its own is one piece with whatever it touches.
+    """
+    names = named.names or ()
+    numbered = [k for k in numbers if len(numbers) > 1 and fold(names[k]) != names[k]]
+    together = [k for k in numbers if k not in numbered]
+    elements, pieces, count = list[IntArray](), list[IntArray](), 0
+    for group in (*([k] for k in numbered), *([together] if together else [])):
+        own = np.flatnonzero(np.isin(named.labels, group))
+        if shape.adjacency is None:
+            more, piece = 1, np.zeros(len(own), np.int64)
+        else:
+            more, piece = shape.adjacency.components(own)
+        elements.append(own)
+        pieces.append(piece + count)
+        count += more
+    return np.concatenate(elements), np.concatenate(pieces)
+
+
+def _main_pieces(shape: Shape, elements: IntArray, piece: IntArray, n: int) -> IntArray:
+    """(k,) int: which of at most `n` pieces each element belongs to, largest first."""
+    if n == 1:
         return np.zeros(len(elements), np.int64)
-    count, component = shape.adjacency.components(elements)
-    areas = np.bincount(component, shape.areas[elements], count)
+    areas = np.bincount(piece, shape.areas[elements])
     centers = np.stack(
         [
-            np.bincount(component, shape.areas[elements] * column, count) / areas.clip(min=1e-300)
+            np.bincount(piece, shape.areas[elements] * column) / areas.clip(min=1e-300)
             for column in shape.points[elements].T
         ],
         axis=1,
@@ -186,7 +241,7 @@ def _pieces(shape: Shape, elements: IntArray, n: int) -> IntArray:
     distances = np.linalg.norm(centers[:, None] - centers[main], axis=2)
     nearest: IntArray = distances.argmin(axis=1)
     nearest[main] = np.arange(len(main))
-    return nearest[component]
+    return nearest[piece]
 
 
 def labels_by_overlap(parts: IntArray, labels: IntArray, areas: FloatArray) -> IntArray:

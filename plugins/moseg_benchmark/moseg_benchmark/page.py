@@ -16,7 +16,7 @@ import numpy as np
 from moseg_benchmark.cases import BenchmarkCase, CaseResult, all_leaves
 from moseg_benchmark.label_matching import IntArray
 from moseg_benchmark.tables import Table
-from moseg_core import load, read_labels, render_picture, write_file
+from moseg_core import Recipe, load, read_labels, render_picture, write_file
 
 _SIZE = (700, 350)
 _STYLE = """
@@ -30,13 +30,15 @@ img { width: 33%; min-width: 20em }
 """
 
 
-def draw_case(case: BenchmarkCase, labels: IntArray, folder: Path) -> list[str]:
+def draw_case(case: BenchmarkCase, recipe: Recipe, labels: IntArray, folder: Path) -> list[str]:
     """Draw a result and the first two people's segmentations of its model.
 
     Parameters
     ----------
     case : BenchmarkCase
         A search.
+    recipe : Recipe
+        With which it was done.
     labels : (F,) int
         What it found.
     folder : Path
@@ -47,10 +49,9 @@ def draw_case(case: BenchmarkCase, labels: IntArray, folder: Path) -> list[str]:
     list of str
         Names of the files, the result's first.
     """
-    assert case.recipe is not None  # a search has one
     shape = load(case.model.mesh)
-    title = f"{case.model.number}, {case.recipe.name}, {case.method}, seed {case.seed}"
-    leaves = all_leaves(case.recipe)
+    title = f"{case.model.number}, {recipe.name}, {case.method}, seed {case.seed}"
+    leaves = all_leaves(recipe)
     picture = render_picture(shape.geometry, labels, leaves, title=title, size=_SIZE)
     names = [f"{case.key}.png"]
     write_file(folder / names[0], picture)

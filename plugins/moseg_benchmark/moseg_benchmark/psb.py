@@ -71,6 +71,14 @@ class Model:
     people: tuple[Path, ...]
     names: Path | None
 
+    @property
+    def teaches(self) -> bool:
+        """Whether parts of two names or more are named, so that others can be learned from it."""
+        if self.names is None:
+            return False
+        words = self.names.read_text(errors="replace").split()
+        return len({word for word in words if not word.isdecimal()}) > 1
+
 
 def check_category(name: str) -> str:
     """A category by its name, upper or lower case.

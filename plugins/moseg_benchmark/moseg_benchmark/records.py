@@ -19,7 +19,18 @@ from typing import Any
 
 from moseg_benchmark.cases import BenchmarkCase, CaseResult
 from moseg_benchmark.label_matching import IntArray
-from moseg_core import MosegError, __version__, read_labels, registry, save_labels, write_file
+from moseg_benchmark.learned_cases import LearnedCase
+from moseg_benchmark.psb import Model
+from moseg_core import (
+    MosegError,
+    Recipe,
+    __version__,
+    load_recipe,
+    read_labels,
+    registry,
+    save_labels,
+    write_file,
+)
 
 #: What bundles compute with, where it is installed; moseg's own do without manifold3d.
 _LIBRARIES = ("numpy", "scipy", "numba", "libigl", "manifold3d")
@@ -38,20 +49,29 @@ def asked_of(case: BenchmarkCase) -> dict[str, Any]:
         Plain data, equal for two cases exactly if they ask for the same: ``model``, a digest of
         its files; ``naming``; ``statement``, that of the recipe, or None without one;
         ``versions`` of moseg, of this bundle and of the numerical libraries, and the distribution
-        in which each component that the recipe uses comes, and each measure that is installed.
+        in which each component that the recipe uses comes, and each measure that is installed. Of
+        a learned recipe also ``learner`` and ``examples``, digests of their files, and the
+        distribution of every component that is installed.
 
     Raises
     ------
     UsageError, PluginError
         The recipe uses something that is not installed.
     """
-    model = case.model
-    return {
-        "model": _digest([model.mesh, *model.people, *([model.names] if model.names else [])]),
+    asked: dict[str, Any] = {
+        "model": _digest_of(case.model),
         "naming": {name: list(kinds) for name, kinds in case.naming.belongs_to.items()},
         "statement": None if case.recipe is None else case.recipe.statement.document(),
         "versions": _versions(case),
     }
+    if isinstance(case, LearnedCase):
+        asked["learner"] = case.learner
+        asked["examples"] = [_digest_of(model) for model in case.examples]
+    return asked
+
+
+def _digest_of(model: Model) -> str:
+    return _digest([model.mesh, *model.people, *([model.names] if model.names else [])])
 
 
 def _versions(case: BenchmarkCase) -> dict[str, str]:
@@ -65,6 +85,8 @@ def _versions(case: BenchmarkCase) -> dict[str, str]:
     if case.recipe is not None:
         for task in case.recipe.hierarchies():
             versions |= task.versions
+    if isinstance(case, LearnedCase):  # nobody knows what a learner's recipe will use
+        versions |= {f"{c.kind} {c.id}": c.distribution for c in registry().components()}
     return versions
 
 
@@ -79,6 +101,8 @@ def _digest(paths: Iterable[Path]) -> str:
 @dataclasses.dataclass(frozen=True)
 class Records:
     """A folder with a ``.json`` file for each case, and a ``.seg`` file where there are labels.
+
+    What was learned for a case is a ``.toml`` file.
 
     Parameters
     ----------
@@ -119,7 +143,7 @@ class Records:
         """
         try:
             record = json.loads(self._record_path(case).read_bytes())
-            asked, result = record["asked"], CaseResult.read(record["row"])
+            asked, result = record["asked"], case.read_result(record["row"])
             # The labels are written first: a run that ended between the two leaves another's.
             whole = not case.searches or _digest([self._labels_path(case)]) == record["labels"]
         except (OSError, ValueError, KeyError, TypeError):  # none, cut short or changed by hand
@@ -135,6 +159,28 @@ class Records:
             return read_labels(path, path.read_bytes().count(b"\n")).labels
         except (MosegError, OSError):
             return None
+
+    def write_recipe(self, case: LearnedCase, recipe: Recipe) -> None:
+        """Keep what was learned for a case.
+
+        Raises
+        ------
+        MosegError
+            The disk is full, or the folder not writable.
+        """
+        write_file(self._recipe_path(case), recipe.toml().encode())
+
+    def recipe(self, case: BenchmarkCase) -> Recipe | None:
+        """The recipe of a case, that was learned for it; None where there is none, or no more."""
+        if not isinstance(case, LearnedCase):
+            return case.recipe
+        try:
+            return load_recipe(str(self._recipe_path(case)))
+        except MosegError:
+            return None
+
+    def _recipe_path(self, case: LearnedCase) -> Path:
+        return self.folder / f"{case.lesson_key}.toml"
 
     def _record_path(self, case: BenchmarkCase) -> Path:
         return self.folder / f"{case.key}.json"

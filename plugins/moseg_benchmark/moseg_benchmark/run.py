@@ -16,10 +16,18 @@ from pathlib import Path
 
 from moseg_benchmark.cases import COSTS, KMEANS, PEOPLE, BenchmarkCase, CaseResult, run_case
 from moseg_benchmark.label_matching import Naming
+from moseg_benchmark.learned_cases import (
+    LearnedCase,
+    Lessons,
+    Shelf,
+    learned_cases,
+    run_learned_case,
+)
+from moseg_benchmark.learned_tables import all_tables
 from moseg_benchmark.page import draw_case, write_page
 from moseg_benchmark.psb import CATEGORIES, NAMINGS, Model
 from moseg_benchmark.records import Records
-from moseg_benchmark.tables import all_tables, failures
+from moseg_benchmark.tables import failures
 from moseg_core import (
     Progress,
     Recipe,
@@ -46,6 +54,8 @@ class BenchmarkRequest:
         For a category its recipe; others get people and k-means only.
     settings : sequence of str
     seeds : sequence of int
+    lessons : Lessons or None
+        From which examples recipes are learned for each model.
 
     Raises
     ------
@@ -57,6 +67,13 @@ class BenchmarkRequest:
     recipes: Mapping[str, Recipe]
     settings: Sequence[str]
     seeds: Sequence[int]
+    lessons: Lessons | None = None
+
+    @property
+    def searches(self) -> tuple[str, ...]:
+        """The methods that search."""
+        learned = () if self.lessons is None else self.lessons.methods
+        return (*(self.settings if self.recipes else ()), *learned)
 
     def __post_init__(self) -> None:
         for recipe in self.recipes.values():
@@ -65,9 +82,17 @@ class BenchmarkRequest:
                     check_hierarchy(task, SearchOptions(settings=settings))
 
 
-def all_cases(request: BenchmarkRequest) -> list[BenchmarkCase]:
-    """The cases of a request, those that take longest first."""
-    searches, others = [], []
+def all_cases(request: BenchmarkRequest) -> list[Sequence[BenchmarkCase]]:
+    """The cases of a request, those that take longest first; those of one learned recipe together.
+
+    Learned recipes come category by category, so that a process which has the shapes of one goes on
+    with them (:class:`moseg_benchmark.learned_cases.Shelf`).
+    """
+    learned: list[Sequence[BenchmarkCase]] = []
+    if request.lessons is not None:
+        learned += learned_cases(request.models, request.lessons, request.seeds)
+    searches: list[BenchmarkCase] = []
+    others: list[BenchmarkCase] = []
     for model in request.models:
         others += [BenchmarkCase(model=model, method=method) for method in (PEOPLE, KMEANS)]
         recipe = request.recipes.get(model.category)
@@ -82,7 +107,7 @@ def all_cases(request: BenchmarkRequest) -> list[BenchmarkCase]:
         ]
     order = {settings: k for k, settings in enumerate(request.settings)}
     searches.sort(key=lambda case: -order[case.method])
-    return searches + others
+    return [*learned, *([case] for case in (*searches, *others))]
 
 
 def run_benchmark(
@@ -112,23 +137,36 @@ def run_benchmark(
         A process died, or the disk is full; what was done by then can be resumed.
     """
     records, pictures = Records(folder / "cases"), folder / "pictures"
-    cases = all_cases(request)
+    batches = all_cases(request)
+    shelf = Shelf()  # each process has its own copy
 
-    def measure(case: BenchmarkCase, *, report: Report) -> CaseResult:
-        result, labels = run_case(case, report=report)
-        records.write(case, result, labels)
-        return result
+    def measure(batch: Sequence[BenchmarkCase], *, report: Report) -> list[CaseResult]:
+        results: list[CaseResult] = []
+        for case in batch:
+            result: CaseResult
+            if isinstance(case, LearnedCase):
+                result, labels, recipe = run_learned_case(case, shelf=shelf, report=report)
+                if recipe is not None:
+                    records.write_recipe(case, recipe)
+            else:
+                result, labels = run_case(case, report=report)
+            records.write(case, result, labels)
+            results.append(result)
+        return results
 
     def draw(case: BenchmarkCase, *, report: Report) -> list[str]:
-        labels = records.labels(case)
-        return [] if labels is None else draw_case(case, labels, pictures)
+        labels, recipe = records.labels(case), records.recipe(case)
+        if labels is None or recipe is None:
+            return []
+        return draw_case(case, recipe, labels, pictures)
 
     with Workers({"measure": measure, "draw": draw}, workers, _go_on) as pool:
         for path in (records.folder, pictures):
             path.mkdir(parents=True, exist_ok=True)
-        results = _measured(cases, records if resume else None, pool, show)
+        results = _measured(batches, records if resume else None, pool, show)
+        cases = [case for batch in batches for case in batch]
         drawn = _drawn(request, cases, results, pool, pictures)
-    order = {method: k for k, method in enumerate((PEOPLE, KMEANS, *request.settings, COSTS))}
+    order = {method: k for k, method in enumerate((PEOPLE, KMEANS, *request.searches, COSTS))}
     ordered = sorted(results.values(), key=lambda r: (r.model, order[r.method], r.seed))
     write_page(
         folder / "index.html",
@@ -143,6 +181,9 @@ def run_benchmark(
         "settings": list(request.settings),
         "seeds": list(request.seeds),
         "recipes": {category: recipe.name for category, recipe in request.recipes.items()},
+        "learned": None
+        if request.lessons is None
+        else {"learner": request.lessons.learner, "examples": list(request.lessons.examples)},
         "rows": [dataclasses.asdict(result) for result in ordered],
     }
     write_file(folder / "report.json", (json.dumps(document, indent=1) + "\n").encode())
@@ -150,21 +191,24 @@ def run_benchmark(
 
 
 def _measured(
-    cases: Sequence[BenchmarkCase], earlier: Records | None, pool: Workers, show: Show
+    batches: Sequence[Sequence[BenchmarkCase]], earlier: Records | None, pool: Workers, show: Show
 ) -> dict[str, CaseResult]:
     """The result of each case by its key, those of an earlier run where there are any."""
     results: dict[str, CaseResult] = {}
+    cases = [case for batch in batches for case in batch]
     if earlier is not None:
         taken_over = {case.key: earlier.result(case) for case in cases}
         results = {key: result for key, result in taken_over.items() if result is not None}
-    remaining = [case for case in cases if case.key not in results]
+    left = [[case for case in batch if case.key not in results] for batch in batches]
+    remaining = [batch for batch in left if batch]
 
-    def keep(k: int, result: CaseResult) -> bool:
-        results[remaining[k].key] = result
-        show(len(results), len(cases), result)
+    def keep(k: int, found: Sequence[CaseResult]) -> bool:
+        for case, result in zip(remaining[k], found, strict=True):
+            results[case.key] = result
+            show(len(results), len(cases), result)
         return False  # never enough
 
-    pool.map("measure", [(case,) for case in remaining], enough=keep)
+    pool.map("measure", [(batch,) for batch in remaining], enough=keep)
     return results
 
 
@@ -182,9 +226,9 @@ def _drawn(
     seed = min(request.seeds)
     shown = [c for c in cases if c.searches and c.seed == seed and not results[c.key].failure]
     drawn: dict[CaseResult, list[str]] = {}
-    # People's pictures are shared by the settings: one case of each model at a time.
-    for settings in request.settings:
-        batch = [case for case in shown if case.method == settings]
+    # People's pictures are shared by the methods: one case of each model at a time.
+    for method in request.searches:
+        batch = [case for case in shown if case.method == method]
         for case, names in zip(batch, pool.map("draw", [(c,) for c in batch]), strict=True):
             if names:
                 drawn[results[case.key]] = [f"{pictures.name}/{name}" for name in names]

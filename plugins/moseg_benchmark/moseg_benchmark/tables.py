@@ -35,12 +35,6 @@ class Table:
     rows: list[Cells]
 
 
-def all_tables(results: Sequence[CaseResult], categories: Sequence[str]) -> list[Table]:
-    """The tables of a report that have something to say."""
-    tables = (agreement_table(results, categories), cost_table(results))
-    return [table for table in tables if table.rows]
-
-
 def mean_by_model(
     results: Sequence[CaseResult], value: Callable[[CaseResult], float | None]
 ) -> dict[int, float]:
@@ -108,14 +102,15 @@ def _row(
     methods: Sequence[str],
     failed: Sequence[str],
 ) -> Cells:
-    cells = [name, str(models), *(_number(value, ".3f") for value in numbers[: len(methods)])]
+    cells = [name, str(models), *(number_text(value, ".3f") for value in numbers[: len(methods)])]
     for k, text in enumerate(failed):
         named, seconds = numbers[len(methods) + 2 * k : len(methods) + 2 * k + 2]
-        cells += [_number(named, ".1%"), _number(seconds, ".1f"), text]
+        cells += [number_text(named, ".1%"), number_text(seconds, ".1f"), text]
     return cells
 
 
-def _number(value: float | None, style: str) -> str:
+def number_text(value: float | None, style: str) -> str:
+    """A number in a style such as ".3f"; nothing for None."""
     return "" if value is None else format(value, style)
 
 
@@ -146,7 +141,7 @@ def cost_table(results: Sequence[CaseResult]) -> Table:
             span += f"{', ' if span else ''}{costs.incomplete} lack a part"
         below = "" if least is None or not people else str(sum(cost < least for cost in people))
         cells = [costs.category, costs.recipe, str(costs.model)]
-        cells += [_number(named, ".4g"), span, below, *map(_spread, found)]
+        cells += [number_text(named, ".4g"), span, below, *map(_spread, found)]
         rows.append([*cells, costs.failure or verdict(named, people, least)])
     return Table("Cost of people's parts beside the cost found", heads, rows)
 

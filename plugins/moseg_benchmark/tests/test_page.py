@@ -17,7 +17,7 @@ def test_a_case_is_drawn_beside_two_people(psb, recipe, tmp_path):
     model = find_models(psb)[0]
     labels = np.arange(load(model.mesh).n_elements) % 3
     case = BenchmarkCase(model=model, method="default", recipe=recipe)
-    names = draw_case(case, labels, tmp_path)
+    names = draw_case(case, recipe, labels, tmp_path)
     assert names == ["21-capsule-default-0.png", "21-person-1.png", "21-person-2.png"]
     for name in names:
         assert (tmp_path / name).read_bytes().startswith(b"\x89PNG")
@@ -27,7 +27,7 @@ def test_pictures_of_people_that_are_there_stay(psb, recipe, tmp_path):
     model = find_models(psb)[0]
     (tmp_path / "21-person-1.png").write_bytes(b"there")
     labels = np.zeros(load(model.mesh).n_elements, np.int64)
-    draw_case(BenchmarkCase(model=model, method="default", recipe=recipe), labels, tmp_path)
+    draw_case(BenchmarkCase(model=model, method="default", recipe=recipe), recipe, labels, tmp_path)
     assert (tmp_path / "21-person-1.png").read_bytes() == b"there"
     assert (tmp_path / "21-person-2.png").read_bytes() != b"there"
 
