@@ -273,8 +273,7 @@ def run_learned_case(
     try:
         if case.lacking:
             raise UsageError(
-                f"there are {len(case.examples)} other models to learn from,"
-                f" {case.lacking} too few"
+                f"there are {len(case.examples)} other models to learn from, {case.lacking} too few"
             )
         shelf.turn_to(case.model.category)
         recipe, seconds = shelf.recipe(case.examples, case.learner)

@@ -76,8 +76,9 @@ class Model:
         """Whether parts of two names or more are named, so that others can be learned from it."""
         if self.names is None:
             return False
-        words = self.names.read_text(errors="replace").split()
-        return len({word for word in words if not word.isdecimal()}) > 1
+        # A name that no face follows names no part.
+        borne = re.findall(r"([^\d\s]\S*)\s+\d", self.names.read_text(errors="replace"))
+        return len(set(borne)) > 1
 
 
 def check_category(name: str) -> str:
