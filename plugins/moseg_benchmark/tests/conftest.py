@@ -65,7 +65,8 @@ from moseg_core import Labelling, LearnerSpec, Method, Recipe, Statement, hookim
 
 
 def counted(examples, *, weight=1.0):
-    counts = {piece_counts(e.shape, Labelling(labels=e.labels, names=e.names))["two"] for e in examples}
+    named = [(e.shape, Labelling(labels=e.labels, names=e.names)) for e in examples]
+    counts = {piece_counts(*example)["two"] for example in named}
     most = max(counts)
     names = [f"two{k + 1}" for k in range(most)] if most > 1 else ["two"]
     sets = [f"two{{{n}}}" for n in sorted(counts)]

@@ -7,7 +7,7 @@ import subprocess
 import sys
 
 import pytest
-from moseg_benchmark.command import read_recipes, read_seeds
+from moseg_benchmark.command import USUAL_RECIPES, read_lessons, read_recipes, read_seeds
 
 from moseg_core import UsageError
 from moseg_core.cli import main
@@ -31,6 +31,11 @@ def call(capsys, *words):
         (("--settings", "papers"), "unknown settings 'papers'; did you mean 'paper'"),
         (("--seeds", "2-0"), "the seeds '2-0' are not understood; write 0-2"),
         (("--workers", "0"), "at least one worker"),
+        (("--learn", "--examples", "few"), "the numbers of examples 'few' are not understood"),
+        (("--learn", "--examples", "0"), "write 1,2,all"),
+        (("--learn", "--learner", "profile"), "did you mean 'profiles'"),
+        (("--examples", "1"), "ask for it with --learn"),
+        (("--train", "."), "--train DIR to learn from"),
     ],
 )
 def test_malformed_requests_are_refused_before_any_work(psb, tmp_path, capsys, words, message):
@@ -67,10 +72,26 @@ def test_seeds_and_recipes_are_read():
     assert read_seeds("3,0-1,1") == [3, 0, 1]
     assert read_recipes(["fourleg = paper_horse"])["Fourleg"].name == "paper_horse"
     assert read_recipes(["none"]) == {}
+    assert len(read_recipes(["usual"])) == len(USUAL_RECIPES)
     with pytest.raises(UsageError, match="'--recipe-for none' is not understood"):
         read_recipes(["none", "Cup=cup"])
     with pytest.raises(UsageError, match="write 0-2 or 0,5,7"):
         read_seeds("all")
+
+
+def test_two_folders_need_each_other(psb, tmp_path, capsys):
+    for words in ((), ("--test", psb), ("--data", psb, "--train", psb, "--test", psb)):
+        code, _, err = call(capsys, "psb", "-o", tmp_path / "r", *words)
+        assert code == 2
+        assert "--data DIR, or in two, --train DIR to learn from" in err
+
+
+def test_lessons_are_read(psb):
+    lessons = read_lessons("2, all,2", "profiles(separate=5)", psb, ("Cup",))
+    assert lessons.examples == (2, None)
+    assert lessons.methods == ("learned 2", "learned")
+    assert [model.number for model in lessons.teachers] == [21, 25]
+    assert read_lessons("all", "profiles", None, ()).teachers is None
 
 
 def test_help_lists_collections_and_options(capsys):

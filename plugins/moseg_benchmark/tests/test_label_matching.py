@@ -7,6 +7,7 @@ from moseg_benchmark.label_matching import (
     fitting_set,
     labels_by_overlap,
     labels_of_names,
+    piece_counts,
 )
 
 from moseg_core import Labelling, Shape, UsageError
@@ -43,6 +44,18 @@ def test_further_pieces_go_to_the_nearest_of_the_main_ones():
 
 def test_fewer_pieces_leave_labels_unused():
     assert labels("leg leg b b b b", ["b", "leg1", "leg2"]) == [1, 1, 0, 0, 0, 0]
+
+
+def test_names_that_are_labels_go_to_these():
+    assert labels("leg2 leg2 leg1 b b b", ["b", "leg1", "leg2"]) == [2, 2, 1, 0, 0, 0]
+
+
+def test_what_is_numbered_is_not_one_piece_though_it_touches():
+    assert labels("leg7 leg7 leg3 b b b", ["b", "leg1", "leg2"]) == [1, 1, 2, 0, 0, 0]
+    text = "leg7 leg7 leg3 leg3 b b"
+    assert fitting_set(STRIP, named(text), [["b", "leg1"], ["b", "leg1", "leg2"]], Naming()) == 1
+    assert piece_counts(STRIP, named(text)) == {"b": 1, "leg": 2}
+    assert piece_counts(STRIP, named("leg b leg b tail b")) == {"b": 3, "leg": 2, "tail": 1}
 
 
 def test_names_can_be_merged():

@@ -79,3 +79,8 @@ def test_what_a_recipe_has_no_label_for_counts_as_what_it_hangs_on():
         *("body", "head", "neck"),
     ]
     assert fourleg.kind("neck", load_recipe("paper_horse").labels) == "head"
+
+
+def test_only_models_with_several_named_parts_teach(members):
+    teaching = {model.number: model.teaches for model in find_models(members)}
+    assert teaching == {21: True, 22: True, 23: True, 24: True, 25: False, 26: False}

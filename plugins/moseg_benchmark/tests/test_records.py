@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from moseg_benchmark.cases import BenchmarkCase, CaseResult
 from moseg_benchmark.label_matching import Naming
+from moseg_benchmark.learned_cases import LearnedCase, LearnedResult
 from moseg_benchmark.psb import find_models
 from moseg_benchmark.records import Records, asked_of
 
@@ -268,3 +269,25 @@ def test_what_was_asked_reads_back_as_it_was(case):
     for asking in (divided(case), *(replace(case, recipe=recipe) for recipe in recipes)):
         asked = asked_of(asking)
         assert json.loads(json.dumps(asked)) == asked
+
+
+def test_other_examples_or_another_learner_are_measured_anew(members, records):
+    one, two, three, *_ = find_models(members)
+    result = LearnedResult(
+        model=21, category="Cup", method="learned 1", rand_index_error=0.1, cost=2.0, examples=1
+    )
+    case = LearnedCase(model=one, method="learned 1", examples=(two,))
+    records.write(case, result, LABELS)
+    assert records.result(case) == result
+    assert records.result(replace(case, examples=(three,))) is None
+    assert records.result(replace(case, examples=(two, three))) is None
+    assert records.result(replace(case, learner="profiles(likely=0)")) is None
+
+
+def test_a_learned_recipe_is_kept_for_all_seeds(members, records, recipe):
+    one, two, *_ = find_models(members)
+    case = LearnedCase(model=one, method="learned 1", examples=(two,))
+    assert records.recipe(case) is None
+    records.write_recipe(case, recipe)
+    assert records.recipe(replace(case, seed=5)).statement == recipe.statement
+    assert records.recipe(BenchmarkCase(model=one, method="default", recipe=recipe)) is recipe

@@ -15,9 +15,10 @@ from statistics import fmean
 import numpy as np
 import pytest
 from moseg_benchmark.cases import run_case
+from moseg_benchmark.learned_cases import run_learned_case
 from moseg_benchmark.psb import find_models
 
-from moseg_core import Problem, load, read_labels
+from moseg_core import Problem, load, load_recipe, read_labels
 from moseg_core.agreement import rand_index_error
 from moseg_core.cli import main
 
@@ -222,3 +223,63 @@ def test_an_interrupted_run_ends_at_once_and_what_was_done_is_kept(psb, tmp_path
     assert "people seed 0" in line
     assert rest.endswith("moseg: interrupted\n")
     assert (tmp_path / "r" / "cases" / "21-people-0.json").is_file()
+
+
+def test_recipes_are_learned_from_the_others(members, learner, tmp_path, capsys, monkeypatch):
+    data, out = tmp_path / "data", tmp_path / "r"
+    shutil.copytree(members, data)
+    words = ("--data", data, "--learn", "--learner", learner, "--examples", "1,all")
+    words = (*words, "--seeds", "0-1", "--workers", "1", "--resume", "-o", out)
+    code, printed, _ = call(capsys, *words)
+    assert code == 0
+    assert "learned 1" in printed
+    assert "Label sets chosen, in searches" in printed
+    document = json.loads((out / "report.json").read_text())
+    assert document["learned"] == {"learner": "counted", "examples": [1, None]}
+    rows = document["rows"]
+    searches = [("learned 1", 0), ("learned 1", 1), ("learned", 0), ("learned", 1)]
+    every = [("people", 0), ("k-means", 0), *searches]
+    found = [(row["model"], row["method"], row["seed"]) for row in rows]
+    assert found == [(model, *case) for model in range(21, 27) for case in every]
+    assert [row["failure"] for row in rows if row["failure"]] == []
+    assert load_recipe(str(out / "cases" / "21-learned-1.toml")).learned_from == ("22",)
+    page = (out / "index.html").read_text()
+    assert page.count("<figure>") == 12
+    for name in ("21-learned-0.png", "21-learned-1-0.png", "26-person-1.png"):
+        assert f'src="pictures/{name}"' in page
+        assert (out / "pictures" / name).read_bytes()[1:4] == b"PNG"
+
+    measured = []
+
+    def count(case, **words):
+        measured.append(case.key)
+        return run_learned_case(case, **words)
+
+    monkeypatch.setattr("moseg_benchmark.run.run_learned_case", count)
+    assert call(capsys, *words)[0] == 0
+    assert measured == []
+    assert json.loads((out / "report.json").read_text())["rows"] == rows
+    # Who learned from 22 learns anew, and 22 itself is compared anew.
+    named = data / "labels" / "22_labels.txt"
+    named.write_text(named.read_text().replace("one", "three"))
+    (out / "cases" / "24-learned-1-1.seg").unlink()
+    code, _, _ = call(capsys, *words, "--category", "Cup")
+    assert code == 0
+    alone = {key for key in measured if "-1-" in key}
+    assert alone == {"21-learned-1-0", "21-learned-1-1", *(f"22-learned-1-{k}" for k in (0, 1))} | {
+        "24-learned-1-1"
+    }
+    assert len(measured) == len(alone) + 12
+
+
+def test_one_collection_teaches_and_another_is_searched(members, learner, tmp_path, capsys):
+    train = tmp_path / "train"
+    shutil.copytree(members, train)
+    for number in (23, 24, 25, 26):
+        (train / "off" / f"{number}.off").unlink()
+    words = ("--train", train, "--test", members, "--learner", learner, "--workers", "2")
+    code, _, _ = call(capsys, *words, "-o", tmp_path / "r")
+    assert code == 0
+    rows = json.loads((tmp_path / "r" / "report.json").read_text())["rows"]
+    examples = {row["model"]: row["examples"] for row in rows if row["method"] == "learned"}
+    assert examples == {21: 1, 22: 1, 23: 2, 24: 2, 25: 2, 26: 2}

@@ -34,6 +34,7 @@ def test_a_recipe_says_what_was_learned_and_from_what(recipe):
         assert term in stated.minimize
 
 
+@pytest.mark.slow
 def test_another_of_the_kind_is_cut_as_it_should_be(recipe, make):
     # Longer than any of the examples, and seen from elsewhere.
     other = make.beast(stretch=1.35, tail=True, name="four")
