@@ -265,6 +265,8 @@ def _line(result: CaseResult) -> str:
     words = [f"{result.category} {result.model} {result.method} seed {result.seed}"]
     if result.rand_index_error is not None:
         words.append(f"1-RI {result.rand_index_error:.3f}")
+    if result.named_right is not None:
+        words.append(f"named right {result.named_right:.1%}")
     if result.cost is not None:
         words.append(f"cost {result.cost:.4g}")
     if result.seconds is not None:

@@ -129,6 +129,8 @@ class LearnedResult(CaseResult):
     numbers_right : float or None
         Share of the area whose name is right with its number (``finger2``), 0 to 1, 1 is best; None
         where no name of the model bears a number.
+    search_cost : float or None
+        Of what the search had found before a refiner moved boundaries; else the same as the cost.
     own_cost : float or None
         Of the named parts under the recipe; None where it has no such label set.
     label_set : str
@@ -142,6 +144,7 @@ class LearnedResult(CaseResult):
     examples: int = 0
     learning_seconds: float | None = None
     numbers_right: float | None = None
+    search_cost: float | None = None
     own_cost: float | None = None
     label_set: str = ""
     own_label_set: str = ""
@@ -288,6 +291,7 @@ def run_learned_case(
         subject |= {
             "rand_index_error": error_against(labels, people),
             "cost": result.cost,
+            "search_cost": result.history.get("refine", ({"value": result.cost},))[0]["value"],
             "empty": len(result.evaluation.empty),
             "label_set": described(_kinds(result.problem.labels)),
         }

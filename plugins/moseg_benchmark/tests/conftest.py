@@ -64,7 +64,7 @@ from moseg_benchmark.label_matching import piece_counts
 from moseg_core import Labelling, LearnerSpec, Method, Recipe, Statement, hookimpl
 
 
-def counted(examples, *, weight=1.0):
+def counted(examples, *, weight=1.0, refiner="none"):
     named = [(e.shape, Labelling(labels=e.labels, names=e.names)) for e in examples]
     counts = {piece_counts(*example)["two"] for example in named}
     most = max(counts)
@@ -77,7 +77,12 @@ def counted(examples, *, weight=1.0):
             labels=("one", f"two{{{min(counts)}..{most}}}") if several else ("one", *names),
             variants=tuple(("one", text) for text in sets) if several else (),
             minimize=f"{weight:g}*narrow(one) + narrow(two*)",
-            search=Method(optimizer="pattern_search(threshold=0.05)", restarts=1, resolution=100),
+            search=Method(
+                optimizer="pattern_search(threshold=0.05)",
+                refiner=None if refiner == "none" else refiner,
+                restarts=1,
+                resolution=100,
+            ),
         ),
         learned_from=tuple(sorted(e.shape.name for e in examples)),
     )

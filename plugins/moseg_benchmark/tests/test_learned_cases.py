@@ -94,9 +94,18 @@ def test_what_is_found_is_compared_with_people_names_and_costs(models, learner):
     problem = Problem(["one", "two1", "two2"], "narrow(one) + narrow(two*)")
     own = problem.evaluate(shape, np.array([1, 0, 2])[thirds]).cost.value
     assert result.own_cost == pytest.approx(own, rel=1e-9)
+    assert result.search_cost == result.cost
     assert result.seconds > 0
     assert result.learning_seconds > 0
     assert result.examples == 3
+
+
+def test_the_cost_before_boundaries_moved_is_kept(models, learner):
+    plain, *_ = run_learned_case(case_of(models, 0), shelf=Shelf(), report=silent)
+    moving = case_of(models, 0, learner="counted(refiner=graph_cut)")
+    result, *_ = run_learned_case(moving, shelf=Shelf(), report=silent)
+    assert result.search_cost == plain.cost
+    assert result.cost != plain.cost
 
 
 def test_a_label_set_that_was_not_learned_is_not_offered(models, learner):

@@ -58,6 +58,8 @@ def test_the_middle_seed_says_whether_parts_were_missed():
     own = [result for result in RESULTS if result.model == 21 and result.method == "learned 1"]
     assert excess(own) == 1.0
     assert excess(own[2:]) == -0.5
+    moved = learned(21, cost=2.0, search_cost=0.75, own_cost=1.0)
+    assert excess([moved]) == -0.25
     # Nothing was found with the labels of the model.
     assert excess([result for result in RESULTS if result.model == 22][1:]) is None
     learnt = [result for result in RESULTS if isinstance(result, LearnedResult)]
