@@ -73,6 +73,11 @@ class Lessons:
         """The method of each number of examples."""
         return tuple(method_of(n) for n in self.examples)
 
+    @property
+    def longest(self) -> str:
+        """The method of the greatest number of examples."""
+        return method_of(None if None in self.examples else max(n or 0 for n in self.examples))
+
 
 def method_of(n: int | None) -> str:
     """The method of recipes learned from so many examples.

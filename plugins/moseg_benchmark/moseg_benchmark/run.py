@@ -75,6 +75,12 @@ class BenchmarkRequest:
         learned = () if self.lessons is None else self.lessons.methods
         return (*(self.settings if self.recipes else ()), *learned)
 
+    @property
+    def drawn(self) -> tuple[str, ...]:
+        """The methods whose results are drawn: of learned recipes those of most examples."""
+        learned = () if self.lessons is None else (self.lessons.longest,)
+        return (*(self.settings if self.recipes else ()), *learned)
+
     def __post_init__(self) -> None:
         for recipe in self.recipes.values():
             for task in recipe.hierarchies():
@@ -219,7 +225,7 @@ def _drawn(
     pool: Workers,
     pictures: Path,
 ) -> dict[CaseResult, list[str]]:
-    """For each search with the first seed its pictures, as paths from the report's folder."""
+    """For each search that is drawn, of the first seed, its pictures: paths from the report."""
     for model in request.models:  # drawn anew, since people's files may have changed
         for stale in pictures.glob(f"{model.number}-person-*.png"):
             stale.unlink()
@@ -227,7 +233,7 @@ def _drawn(
     shown = [c for c in cases if c.searches and c.seed == seed and not results[c.key].failure]
     drawn: dict[CaseResult, list[str]] = {}
     # People's pictures are shared by the methods: one case of each model at a time.
-    for method in request.searches:
+    for method in request.drawn:
         batch = [case for case in shown if case.method == method]
         for case, names in zip(batch, pool.map("draw", [(c,) for c in batch]), strict=True):
             if names:

@@ -61,6 +61,11 @@ def test_each_number_of_examples_has_its_cases(models):
     assert len({case.key for batch in batches for case in batch}) == 4 * len(models)
 
 
+def test_the_longest_lesson_is_that_of_most_examples():
+    assert Lessons(examples=(1, 4, 2)).longest == "learned 4"
+    assert Lessons(examples=(1, None, 2)).longest == "learned"
+
+
 def test_one_collection_teaches_and_another_is_searched(models):
     batches = learned_cases(models[3:], Lessons(examples=(2,), teachers=tuple(models[:3])), [0])
     assert [numbers(case.examples) for (case,) in batches] == [[21, 22], [22, 23], [23, 21]]

@@ -228,6 +228,8 @@ def test_an_interrupted_run_ends_at_once_and_what_was_done_is_kept(psb, tmp_path
 def test_recipes_are_learned_from_the_others(members, learner, tmp_path, capsys, monkeypatch):
     data, out = tmp_path / "data", tmp_path / "r"
     shutil.copytree(members, data)
+    (data / "off" / "25.off").unlink()
+    (data / "off" / "26.off").unlink()
     words = ("--data", data, "--learn", "--learner", learner, "--examples", "1,all")
     words = (*words, "--seeds", "0-1", "--workers", "1", "--resume", "-o", out)
     code, printed, _ = call(capsys, *words)
@@ -240,12 +242,12 @@ def test_recipes_are_learned_from_the_others(members, learner, tmp_path, capsys,
     searches = [("learned 1", 0), ("learned 1", 1), ("learned", 0), ("learned", 1)]
     every = [("people", 0), ("k-means", 0), *searches]
     found = [(row["model"], row["method"], row["seed"]) for row in rows]
-    assert found == [(model, *case) for model in range(21, 27) for case in every]
+    assert found == [(model, *case) for model in range(21, 25) for case in every]
     assert [row["failure"] for row in rows if row["failure"]] == []
     assert load_recipe(str(out / "cases" / "21-learned-1.toml")).learned_from == ("22",)
     page = (out / "index.html").read_text()
-    assert page.count("<figure>") == 12
-    for name in ("21-learned-0.png", "21-learned-1-0.png", "26-person-1.png"):
+    assert page.count("<figure>") == 4
+    for name in ("21-learned-0.png", "24-person-1.png"):
         assert f'src="pictures/{name}"' in page
         assert (out / "pictures" / name).read_bytes()[1:4] == b"PNG"
 
@@ -269,7 +271,7 @@ def test_recipes_are_learned_from_the_others(members, learner, tmp_path, capsys,
     assert alone == {"21-learned-1-0", "21-learned-1-1", *(f"22-learned-1-{k}" for k in (0, 1))} | {
         "24-learned-1-1"
     }
-    assert len(measured) == len(alone) + 12
+    assert len(measured) == len(alone) + 8
 
 
 def test_one_collection_teaches_and_another_is_searched(members, learner, tmp_path, capsys):
