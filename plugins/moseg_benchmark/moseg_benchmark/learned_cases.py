@@ -57,7 +57,7 @@ class Lessons:
     Parameters
     ----------
     examples : tuple of int or None
-        How many examples each recipe is learned from; None for all that there are.
+        How many examples each recipe is learned from, at most; None for all that there are.
     learner : str
         By name and with parameters.
     teachers : tuple of Model or None
@@ -97,13 +97,10 @@ class LearnedCase(BenchmarkCase):
     Parameters
     ----------
     examples : tuple of Model
-    lacking : int
-        How many more were asked for than there are.
     learner : str
     """
 
     examples: tuple[Model, ...]
-    lacking: int = 0
     learner: str = "profiles"
 
     @property
@@ -188,7 +185,6 @@ def learned_cases(
                             method=method,
                             seed=seed,
                             examples=tuple(others[:n]),
-                            lacking=max(0, (n or 1) - len(others)),
                             learner=lessons.learner,
                         )
                         for seed in seeds
@@ -279,10 +275,8 @@ def run_learned_case(
     subject = {**case.subject, "examples": len(case.examples)}
     recipe = None
     try:
-        if case.lacking:
-            raise UsageError(
-                f"there are {len(case.examples)} other models to learn from, {case.lacking} too few"
-            )
+        if not case.examples:
+            raise UsageError("there is no other model of the category to learn from")
         shelf.turn_to(case.model.category)
         recipe, seconds = shelf.recipe(case.examples, case.learner)
         subject |= {"recipe": recipe.name, "learning_seconds": seconds}

@@ -57,7 +57,6 @@ def test_each_number_of_examples_has_its_cases(models):
     assert [(case.method, numbers(case.examples)) for case in last] == [
         ("learned", [21, 22, 23, 24])
     ] * 2
-    assert {case.lacking for batch in batches for case in batch} == {0}
     assert len({case.key for batch in batches for case in batch}) == 4 * len(models)
 
 
@@ -174,15 +173,16 @@ def test_only_so_many_shapes_are_kept(models, monkeypatch):
     assert shelf.shape(models[1]) is not second
 
 
-def test_too_few_examples_are_the_reason(models, learner):
-    case = case_of(models, 0, n=5)
-    assert case.lacking == 2
+def test_where_there_are_fewer_examples_all_are_taken(models):
+    assert numbers(case_of(models, 0, n=5).examples) == [22, 23, 24]
+
+
+def test_no_examples_are_the_reason(models, learner):
+    case = case_of(models[:1], 0)
     result, labels, recipe = run_learned_case(case, shelf=Shelf(), report=silent)
-    assert result.failure == "there are 3 other models to learn from, 2 too few"
+    assert result.failure == "there is no other model of the category to learn from"
     assert labels is None
     assert recipe is None
-    result, *_ = run_learned_case(case_of(models[:1], 0), shelf=Shelf(), report=silent)
-    assert result.failure == "there are 0 other models to learn from, 1 too few"
 
 
 def test_what_goes_wrong_is_the_reason(models, learner, monkeypatch):
