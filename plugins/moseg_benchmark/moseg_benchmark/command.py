@@ -19,7 +19,7 @@ from moseg_core import UsageError
 
 if TYPE_CHECKING:
     from moseg_benchmark.cases import CaseResult
-    from moseg_benchmark.learned_cases import Lessons
+    from moseg_benchmark.lessons import Lessons
     from moseg_benchmark.tables import Table
     from moseg_core import Recipe
 
@@ -183,7 +183,7 @@ def read_lessons(
     >>> read_lessons("1,2,all", "profiles", None, ()).examples
     (1, 2, None)
     """
-    from moseg_benchmark.learned_cases import Lessons
+    from moseg_benchmark.lessons import Lessons
     from moseg_benchmark.psb import find_models
     from moseg_core import Choice, registry
 

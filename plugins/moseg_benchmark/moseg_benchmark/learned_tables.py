@@ -18,7 +18,7 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 
 from moseg_benchmark.cases import COSTS, KMEANS, PEOPLE, CaseResult
-from moseg_benchmark.learned_cases import LearnedResult
+from moseg_benchmark.lessons import LearnedResult
 from moseg_benchmark.tables import (
     Table,
     agreement_table,

@@ -19,7 +19,7 @@ from typing import Any
 
 from moseg_benchmark.cases import BenchmarkCase, CaseResult
 from moseg_benchmark.label_matching import IntArray
-from moseg_benchmark.learned_cases import LearnedCase
+from moseg_benchmark.lessons import LearnedCase
 from moseg_benchmark.psb import Model
 from moseg_core import (
     MosegError,

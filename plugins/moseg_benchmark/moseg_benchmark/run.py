@@ -16,14 +16,9 @@ from pathlib import Path
 
 from moseg_benchmark.cases import COSTS, KMEANS, PEOPLE, BenchmarkCase, CaseResult, run_case
 from moseg_benchmark.label_matching import Naming
-from moseg_benchmark.learned_cases import (
-    LearnedCase,
-    Lessons,
-    Shelf,
-    learned_cases,
-    run_learned_case,
-)
+from moseg_benchmark.learned_cases import Shelf, run_learned_case
 from moseg_benchmark.learned_tables import all_tables
+from moseg_benchmark.lessons import LearnedCase, Lessons, learned_cases
 from moseg_benchmark.page import draw_case, write_page
 from moseg_benchmark.psb import CATEGORIES, NAMINGS, Model
 from moseg_benchmark.records import Records

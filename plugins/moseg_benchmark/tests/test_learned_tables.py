@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from moseg_benchmark.cases import CaseResult
-from moseg_benchmark.learned_cases import LearnedResult
 from moseg_benchmark.learned_tables import (
     all_tables,
     choice_table,
@@ -14,6 +13,7 @@ from moseg_benchmark.learned_tables import (
     missed_table,
     wrong_choice_table,
 )
+from moseg_benchmark.lessons import LearnedResult
 
 TWO, ONE = "one, 2 two", "one, two"
 

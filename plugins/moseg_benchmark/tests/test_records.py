@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from moseg_benchmark.cases import BenchmarkCase, CaseResult
 from moseg_benchmark.label_matching import Naming
-from moseg_benchmark.learned_cases import LearnedCase, LearnedResult
+from moseg_benchmark.lessons import LearnedCase, LearnedResult
 from moseg_benchmark.psb import find_models
 from moseg_benchmark.records import Records, asked_of
 
