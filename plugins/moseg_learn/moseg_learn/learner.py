@@ -28,7 +28,7 @@ from moseg_learn.relations import Relation, relations_of
 
 _SEARCH = Method(
     parameterization="voronoi(centers=auto)",
-    seeder="sized_evolution(population=100, generations=60, relocations=0)",
+    seeder="sized_evolution(population=60, generations=40, relocations=0)",
 )
 """How a learned recipe is searched: bodies of several cells, small parts found by their size."""
 
