@@ -109,11 +109,11 @@ def benchmark_cases(folder: Path) -> list[Case]:
     """Ten models of the benchmark, under the recipes in words that people use."""
     animal = {"torso": "body", "earhorn": "head", "tail": "body", "leg": numbered("leg", 4)}
     models: list[tuple[str, Mapping[str, Target], Iterable[int]]] = [
-        ("fourleg", animal, (381, 385)),
-        ("octopus", {"leg": numbered("leg", 8)}, (121, 129)),
-        ("bird", {"leg": "body", "wing": numbered("wing", 2)}, (241, 245)),
-        ("hand", {}, (181, 189)),
-        ("table", {"support": "top", "leg": numbered("leg", 4)}, (141, 153)),
+        ("words_fourleg", animal, (381, 385)),
+        ("words_octopus", {"leg": numbered("leg", 8)}, (121, 129)),
+        ("words_bird", {"leg": "body", "wing": numbered("wing", 2)}, (241, 245)),
+        ("words_hand", {}, (181, 189)),
+        ("words_table", {"support": "top", "leg": numbered("leg", 4)}, (141, 153)),
     ]
     return [
         Case(

@@ -90,7 +90,7 @@ def test_a_recipe_reads_back_as_it_was(stated, description):
 
 
 @pytest.mark.parametrize(
-    "name", ["paper_hammer", "fourleg", "paper_bulldog", "paper_dove", "paper_octopus"]
+    "name", ["paper_hammer", "words_fourleg", "paper_bulldog", "paper_dove", "paper_octopus"]
 )
 def test_the_command_line_and_the_recipe_say_the_same(name):
     stated = load_recipe(name).statement

@@ -27,13 +27,13 @@ benchmark = App(name="benchmark", help="How well results agree with people.")
 
 #: What models of a category are searched with unless the request names another.
 USUAL_RECIPES = (
-    "Bird=bird",
-    "Chair=chair",
-    "Cup=cup",
-    "Fourleg=fourleg",
-    "Hand=hand",
-    "Octopus=octopus",
-    "Table=table",
+    "Bird=words_bird",
+    "Chair=words_chair",
+    "Cup=words_cup",
+    "Fourleg=words_fourleg",
+    "Hand=words_hand",
+    "Octopus=words_octopus",
+    "Table=words_table",
 )
 _WIDTH_OFF_TERMINAL = 120
 

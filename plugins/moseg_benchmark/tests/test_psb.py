@@ -59,7 +59,7 @@ PRINTED = {"Bird": ["dove"], "Fourleg": ["horse", "bulldog"], "Octopus": ["octop
 @pytest.mark.parametrize("category", NAMES)
 def test_recipes_have_a_label_for_every_name_and_a_name_for_every_label(category):
     usual = read_recipes(USUAL_RECIPES)[category].name
-    assert usual == category.lower()
+    assert usual == f"words_{category.lower()}"
     for name in [usual, *(f"paper_{name}" for name in PRINTED.get(category, []))]:
         labels = load_recipe(name).labels
         naming = NAMINGS.get(category, Naming())
@@ -74,7 +74,7 @@ def test_every_usual_recipe_is_for_a_category_with_names():
 
 def test_what_a_recipe_has_no_label_for_counts_as_what_it_hangs_on():
     fourleg = NAMINGS["Fourleg"]
-    labels = load_recipe("fourleg").labels
+    labels = load_recipe("words_fourleg").labels
     assert [fourleg.kind(name, labels) for name in ("tail", "earhorn", "neck")] == [
         *("body", "head", "neck"),
     ]
