@@ -63,7 +63,7 @@ def test_bundles_of_every_kind_from_wheels_alone(tmp_path):
     (tmp_path / "dist").mkdir()
     wheels = build_wheels(tmp_path / "dist")
     (core,) = (wheel for wheel in wheels if wheel.name.startswith("moseg_core-"))
-    assert len(wheels) == 5
+    assert len(wheels) == 7
 
     # The extra "all" brings the plugins, here from the wheels beside the core's.
     run = environment(home, work)
@@ -85,7 +85,7 @@ def test_bundles_of_every_kind_from_wheels_alone(tmp_path):
         run("moseg", "plugin", "new", name, "--kind", kind)
     run("python", *PIP, "install", *pinned, "--no-build-isolation", *folders)
     listed = json.loads(run("moseg", "plugin", "list", "--json").stdout)
-    own = {"core", "basic", "symmetry", "mds", "benchmark"}
+    own = {"core", "basic", "symmetry", "mds", "benchmark", "learn", "shapes"}
     assert {bundle["name"] for bundle in listed} == own | set(names.values())
     assert not [bundle["problem"] for bundle in listed if bundle["problem"]]
 

@@ -54,3 +54,8 @@ def test_mds(check):
 @parametrize_contract("learn")
 def test_learn(check):
     check()
+
+
+@parametrize_contract("shapes")
+def test_the_learned_recipes(check):
+    check()
