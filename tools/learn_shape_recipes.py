@@ -9,14 +9,15 @@ files::
     python tools/learn_shape_recipes.py --data DIR
 
 ``DIR`` has ``off/<id>.off``, ``seg`` and ``labels/<id>_labels.txt``. A model that is missing is an
-error; one of a single part, as a cup without a handle, teaches nothing and is left out, which is
-said here and in the table. No file is to be edited by hand: run it again after a change of the
-learner. Without ``--data`` the table alone is made, from the recipes as they are.
+error, and what the learner says of one, that it is of a single part, say, is in the table. No file
+is to be edited by hand: run it again after a change of the learner. Without ``--data`` the table
+alone is made, from the recipes as they are.
 """
 
 from __future__ import annotations
 
 import argparse
+import re
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -85,12 +86,17 @@ def learned(name: str, examples: list[Example]) -> Recipe:
 
 def make(name: str, models: list[Model]) -> None:
     """Write the recipe of a category, and say what it was learned from."""
-    examples = [example(model) for model in models]
-    told = [each for each in examples if len(each.borne) > 1]
-    (FOLDER / f"{name}.toml").write_text(MADE + annotated(learned(name, told)), encoding="utf-8")
-    left_out = [each.shape.name for each in examples if each not in told]
-    words = f"; left out, of a single part: {', '.join(left_out)}" if left_out else ""
-    print(f"{name}: {', '.join(each.shape.name for each in told)}{words}", flush=True)
+    recipe = learned(name, [example(model) for model in models])
+    (FOLDER / f"{name}.toml").write_text(MADE + annotated(recipe), encoding="utf-8")
+    print(f"{name}: {seen(recipe)}", flush=True)
+
+
+def seen(recipe: Recipe) -> str:
+    """The models of a recipe by number, with what is noted of one."""
+    form = re.compile(rf"{SOURCE} (\d+): .*?( \(.*\))?")
+    matches = [match for said in recipe.learned_from if (match := form.fullmatch(said))]
+    models = sorted((int(match[1]), match[2] or "") for match in matches)
+    return ", ".join(f"{number}{note}" for number, note in models)
 
 
 def table() -> str:
@@ -101,9 +107,8 @@ def table() -> str:
 
 
 def _row(name: str, recipe: Recipe) -> list[str]:
-    models = [said.removeprefix(f"{SOURCE} ").partition(":")[0] for said in recipe.learned_from]
     labels = ", ".join(f"`{label}`" for label in recipe.labels)
-    return [f"`{name}`", recipe.description.partition(":")[0].lower(), labels, ", ".join(models)]
+    return [f"`{name}`", recipe.description.partition(":")[0].lower(), labels, seen(recipe)]
 
 
 def filled(text: str, made: str) -> str:

@@ -29,7 +29,7 @@ def test_a_recipe_says_what_it_is_of_and_was_learned_from(name):
     assert recipe.description.lower() == f"{RECIPES[name].lower()}."
     form = re.compile(r"Princeton Segmentation Benchmark (\d+): ")
     models = {form.match(said)[1] for said in recipe.learned_from}
-    assert len(models) == len(recipe.learned_from) >= 4
+    assert len(models) == len(recipe.learned_from) == 5
 
 
 @pytest.mark.parametrize("name", RECIPES)
