@@ -27,7 +27,8 @@ RECIPES = {
     "plier": "a pair of pliers: center (the joint), handles, edges (the jaws)",
     "airplane": "an airplane: body, wings, stabilizers, rudder, engines",
     "vase": "a vase: body, top, base, handles, spout",
-    "armadillo": "an armadillo on two legs: head, ears, torso, back, tail, arms, hands, legs, feet",
+    "armadillo": "a figure like the Armadillo: head, ears, torso, back, tail,"
+    " arms, hands, legs, feet",
     "bust": "a bust: face, eyes, ears, nose, mouth, hair, neck, background (all else)",
     "mech": "a machine part: larger and smaller boxes and cylinders",
     "bearing": "a bearing: rollers from tiny to big, on a base of two sides",
