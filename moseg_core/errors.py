@@ -57,6 +57,10 @@ REPORT = "report it to its authors, or do without it"
 """What a user can do about a component that is untrue to its kind; the end of such messages."""
 
 
+_LONG, _BESIDE = 160, 48
+"""Characters of an expression that is shown whole, and beside a fault where one is not."""
+
+
 class ExpressionError(UsageError):
     """An expression that cannot be understood, with the place in its text.
 
@@ -67,7 +71,8 @@ class ExpressionError(UsageError):
     text : str
         The whole expression.
     start, stop : int
-        The offending characters are ``text[start:stop]``; a caret is drawn under them.
+        The offending characters are ``text[start:stop]``; a caret is drawn under them. Of a long
+        expression only what is around them is shown.
 
     Examples
     --------
@@ -87,9 +92,13 @@ class ExpressionError(UsageError):
     def __str__(self) -> str:
         reason, _, suggestion = self.reason.partition("; ")
         # One line, in which every character stays where the caret expects it.
-        text = re.sub(r"\s", " ", self.text)
+        text, start = re.sub(r"\s", " ", self.text), self.start
+        if len(text) > _LONG:
+            first, last = max(0, start - _BESIDE), min(len(text), self.stop + _BESIDE)
+            before, after = "..." * (first > 0), "..." * (last < len(text))
+            text, start = f"{before}{text[first:last]}{after}", start - first + len(before)
         headline = f'{reason} in "{text}"' + (f"; {suggestion}" if suggestion else "")
-        caret = " " * self.start + "^" * (self.stop - self.start)
+        caret = " " * start + "^" * (self.stop - self.start)
         return f"{headline}\n  {text}\n  {caret}"
 
 

@@ -48,6 +48,18 @@ def test_the_suggestion_comes_after_the_expression():
     assert str(error).splitlines()[0] == "unknown label 'x' in \"f(x)\"; did you mean 'y'?"
 
 
+@pytest.mark.parametrize("at", [0, 100, 395])
+def test_of_a_long_expression_what_is_around_the_place_is_shown(at):
+    text = " + ".join(["flat(a)"] * 40)
+    text = text[:at] + "wrong" + text[at + 5 :]
+    headline, shown, carets = str(ExpressionError("unknown", text, at, at + 5)).splitlines()
+    assert shown[carets.index("^") : carets.rindex("^") + 1] == "wrong"
+    assert len(shown) < 120
+    assert shown.strip() in headline
+    assert shown.startswith("  ...") == (at > 0)
+    assert shown.endswith("...") == (at < 395)
+
+
 @pytest.mark.parametrize("stop", [None, 4, 3])
 def test_there_is_a_caret_even_at_the_end(stop):
     error = ExpressionError("expected ')'", "f(a", 3, stop)
