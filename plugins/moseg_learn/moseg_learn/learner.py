@@ -51,7 +51,7 @@ def profiles(
     likely: Annotated[float, Interval(0)] = 1.0,
     touching: Annotated[float, Interval(0)] = 2.0,
     apart: Annotated[float, Interval(0)] = 0.5,
-    refiner: str = "auto",
+    refiner: str | None = "auto",
     prior: Annotated[float, Interval(0.5)] = 6.0,
     floor: Annotated[float, Interval(0.1)] = 2.0,
     resolution: Annotated[int, Interval(0)] = 2000,
@@ -71,9 +71,9 @@ def profiles(
         Weight of how likely the places of a part are to bear its label.
     touching, apart : float
         Weight of each pair of parts that always touches, or never does.
-    refiner : str
-        What moves boundaries at the end, or "none"; "auto" is a ``graph_cut`` that goes by creases
-        and by how likely places are.
+    refiner : str or None
+        What moves boundaries at the end, if anything; "auto" is a ``graph_cut`` that goes by
+        creases and, with two or more examples, by how likely places are.
     prior : float
         How many parts the common spread counts as in the spread of a kind.
     floor : float
@@ -126,7 +126,7 @@ def profiles(
         given=Table(given),
         search=replace(
             _SEARCH,
-            refiner=_refiner(refiner, likely if looks else 0.0),
+            refiner=_refiner(refiner, likely if looks and len(cut) > 1 else 0.0),
             restarts=1 if sets.variants else _STARTS,
         ),
     )
@@ -142,13 +142,20 @@ def profiles(
     )
 
 
-def _refiner(asked: str, likely: float) -> str | None:
-    """The refiner of the recipe; with the weight of likely places, 0 where nothing is known."""
-    if asked == "none":
-        return None
+def _refiner(asked: str | None, likely: float) -> str | None:
+    """The refiner of the recipe.
+
+    Parameters
+    ----------
+    asked : str or None
+    likely : float
+        Weight of likely places; 0 where these are not to move boundaries. Of one example it is not
+        known how far what it looks like holds for others.
+    """
     if asked != "auto":
         return asked
-    return f"graph_cut(band=0.2, data={_PLACES / likely:g})" if likely else "graph_cut"
+    data = f", data={_PLACES / likely:g}" if likely else ""
+    return f"graph_cut(band=0.2{data})"
 
 
 def _profile_terms(sets: LabelSets) -> Iterator[str]:

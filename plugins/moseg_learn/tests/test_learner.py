@@ -110,3 +110,13 @@ def test_examples_of_one_part_show_too_little(herd, make):
     alone = learn([herd[0]])
     assert recipe.statement == alone.statement
     assert recipe.learned_from[1] == "whole: body (not learned from: one part)"
+
+
+def test_places_move_boundaries_where_it_is_known_how_surely(herd):
+    assert str(learn(herd[:1]).statement.search.refiner) == "graph_cut(band=0.2)"
+    assert str(learn(herd).statement.search.refiner) == "graph_cut(band=0.2, data=2)"
+    half = learn(herd, learner="profiles(likely=0.5)")
+    assert str(half.statement.search.refiner) == "graph_cut(band=0.2, data=4)"
+    alone = learn(herd, learner="profiles(likely=0)")
+    assert str(alone.statement.search.refiner) == "graph_cut(band=0.2)"
+    assert learn(herd, learner="profiles(refiner=none)").statement.search.refiner is None
