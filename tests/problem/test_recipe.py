@@ -183,7 +183,8 @@ def test_a_malformed_recipe_of_a_bundle_is_refused(site):
 def test_every_installed_recipe_makes_a_problem_and_a_method(component):
     recipe = load_recipe(component.id)
     assert recipe.description
-    assert Problem.of(closed(recipe).statement).terms
+    for task in closed(recipe).hierarchies():
+        assert task.problem.terms
     for kind in ("parameterization", "seeder", "labeler", "optimizer"):
         prepare(getattr(SearchOptions().settled(recipe.statement.search), kind), kind, registry())
 
@@ -205,7 +206,8 @@ def closed(recipe: Recipe) -> Recipe:
 def components_of(recipe: Recipe) -> list[str]:
     """Ids of all components that a recipe comes to, level by level."""
     found = []
-    for _, level in closed(recipe).hierarchy().levels():
+    tasks = closed(recipe).hierarchies()
+    for level in (level for task in tasks for _, level in task.levels()):
         problem = level.problem
         found += [term.id for term in problem.terms] + [
             rule.id for rule in problem.bound_constraints

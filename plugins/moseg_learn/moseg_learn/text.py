@@ -69,7 +69,7 @@ to do without them, delete these tables and the terms 'likely'."""
 
 
 def annotated(recipe: Recipe) -> str:
-    """The TOML text of a recipe with comments.
+    r"""The TOML text of a recipe with comments.
 
     Parameters
     ----------
@@ -80,8 +80,9 @@ def annotated(recipe: Recipe) -> str:
     --------
     >>> from moseg_core import Recipe, Statement
     >>> recipe = Recipe(name="mine", statement=Statement(labels=("a", "b"), minimize="narrow(a)"))
-    >>> annotated(recipe).splitlines()[:2]
-    ['# The parts to find.', 'labels = ["a", "b"]']
+    >>> print(*annotated(recipe).splitlines()[:2], sep="\n")
+    # The parts to find. leg{4} are four: leg1, leg2, leg3 and leg4.
+    labels = ["a", "b"]
     """
     return "\n".join(_lines(recipe.toml().splitlines())) + "\n"
 
