@@ -11,10 +11,10 @@ bound term are those of the table and the call together: nothing behind this nee
 from __future__ import annotations
 
 import fnmatch
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, TypeVar
 
 from moseg_core.components.discovery.registry import Registry, describe
 from moseg_core.components.objectives import COST_ORDER, Arity
@@ -23,6 +23,8 @@ from moseg_core.components.protocols import Objective
 from moseg_core.errors import REPORT, ExpressionError, PluginError, UsageError, nearest, unknown
 from moseg_core.language import Argument, Expression, Table, Term
 from moseg_core.language.table import GIVEN, named_table
+
+_Answer = TypeVar("_Answer")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -83,17 +85,12 @@ class BoundTerm:
         names = self.objective.traits.fields
         if not callable(names):
             return names
-        who = f"objective '{self.id}' of {self.distribution}"
-        try:
-            found = names(self.parameters)
-        except UsageError as error:  # it says what is wrong with its parameters
-            raise UsageError(f"in '{self.term.call}': {error}") from error
-        except Exception as error:  # a stranger's objective may raise anything
-            raise PluginError(
-                f"{who} failed to name its fields: {describe(error)}; {REPORT}"
-            ) from error
+        found = self._answer(names, "name its fields")
         if isinstance(found, str) or not all(isinstance(name, str) for name in found):
-            raise PluginError(f"{who} must name its fields in a tuple, not {found!r:.60}; {REPORT}")
+            raise PluginError(
+                f"objective '{self.id}' of {self.distribution} must name its fields in a tuple, not"
+                f" {found!r:.60}; {REPORT}"
+            )
         return tuple(found)
 
     @property
@@ -111,15 +108,10 @@ class BoundTerm:
         """
         if self.weight < 0:
             return None
-        try:
-            return self.objective.traits.expected_share(self.parameters)
-        except UsageError as error:  # it says what is wrong with its parameters
-            raise UsageError(f"in '{self.term.call}': {error}") from error
-        except Exception as error:  # a stranger's objective may raise anything
-            raise PluginError(
-                f"objective '{self.id}' of {self.distribution} failed to say which share of the"
-                f" area it expects in '{self.term.call}': {describe(error)}; {REPORT}"
-            ) from error
+        return self._answer(
+            self.objective.traits.expected_share,
+            f"say which share of the area it expects in '{self.term.call}'",
+        )
 
     @property
     def averaged_field(self) -> tuple[str, Mapping[str, Any]] | None:
@@ -132,14 +124,21 @@ class BoundTerm:
         PluginError
             What it gives for them is no field with its parameters, or it fails.
         """
+        return self._answer(
+            self.objective.traits.averaged_field,
+            f"say of which field '{self.term.call}' is the mean",
+        )
+
+    def _answer(self, ask: Callable[[Mapping[str, Any]], _Answer], to: str) -> _Answer:
+        """What the objective says of the parameters, or an error that says what it failed to do."""
         try:
-            return self.objective.traits.averaged_field(self.parameters)
+            return ask(self.parameters)
         except UsageError as error:  # it says what is wrong with its parameters
             raise UsageError(f"in '{self.term.call}': {error}") from error
         except Exception as error:  # a stranger's objective may raise anything
             raise PluginError(
-                f"objective '{self.id}' of {self.distribution} failed to say of which field"
-                f" '{self.term.call}' is the mean: {describe(error)}; {REPORT}"
+                f"objective '{self.id}' of {self.distribution} failed to {to}: {describe(error)};"
+                f" {REPORT}"
             ) from error
 
     @cached_property

@@ -16,7 +16,7 @@ be. So each example is left out in turn, and the temperature ``T`` is found by w
 all scores for the mean of ``-log p`` of what was left out to be least (Guo, Pleiss, Sun and
 Weinberger 2017, arXiv:1706.04599). What was fitted to all examples has seen one more, and errs
 less: its scores are divided by ``T`` to the power of ``1 - 1/m``. A single example says nothing of
-that, and :data:`ALONE` is taken. (By trial: of examples two, three and four in twenty categories,
+that, and :data:`ALONE` is taken. (By trial: of examples two, three and four in nineteen categories,
 the exponents 1/2, 2/3 and 3/4 are about the best.)
 
 The standardisation goes into weights and constants, and those are rounded: the table is all there

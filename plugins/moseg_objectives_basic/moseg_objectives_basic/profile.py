@@ -4,8 +4,8 @@
 (:mod:`moseg_objectives_basic.likeness`) compares with targets. Of many parts of one name, the mean
 and spread of each measure are a profile, and so the parameters of an ``is`` for the next part.
 
-There is one place where each measure is computed, in ``is`` itself: it is asked here with targets
-that note what they are compared with. A measure and its target cannot come apart in this way.
+Each measure is computed in one place, :func:`moseg_objectives_basic.likeness.measured`, so that a
+measure and its target cannot come apart.
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from moseg_core import Part, ShapeError, Target
-from moseg_objectives_basic.likeness import is_
+from moseg_core import Part, ShapeError
+from moseg_objectives_basic.likeness import BY_RATIO, measured
 
 _NEEDED = (
     ("area", "length", "width", "depth", "spread", "offcenter"),
@@ -72,7 +72,7 @@ class Likeness(NamedTuple):
     @property
     def by_ratio(self) -> tuple[str, ...]:
         """Names of the measures of which ratios count: :meth:`moseg_core.Target.ratio_cost`."""
-        return ("area", "length", "width", "depth", "spread", "thickness", "boundary")
+        return tuple(name for name in self._fields if name in BY_RATIO)
 
 
 def likeness(part: Part) -> Likeness:
@@ -91,28 +91,10 @@ def likeness(part: Part) -> Likeness:
     >>> round(short.area, 9), round(short.boundary, 9), round(short.spread, 9)
     (0.2, 1.0, 0.40824829)
     """
-    noted: dict[str, float] = {}
+    found: dict[str, float] = {}
     for names in _NEEDED:
-        noting = {name: _Noting(1.0, 1.0) for name in names}
         try:
-            is_(part, **noting)
+            found |= measured(part, names)
         except ShapeError:
             continue  # stays at NaN
-        noted |= {name: target.met for name, target in noting.items()}
-    return Likeness(*(noted.get(name, math.nan) for name in Likeness._fields))
-
-
-class _Noting(Target):
-    """A target that notes the value that it is compared with."""
-
-    met: float = math.nan
-
-    def cost(self, value: float) -> float:
-        return self._note(value)
-
-    def ratio_cost(self, value: float) -> float:
-        return self._note(value)
-
-    def _note(self, value: float) -> float:
-        object.__setattr__(self, "met", value)
-        return 0.0
+    return Likeness(*(found.get(name, math.nan) for name in Likeness._fields))
