@@ -24,7 +24,7 @@ from moseg_core.language import Table, parse_call
 from moseg_core.language.table import named_table
 from moseg_core.language.terms import format_call
 
-OCCASIONS = ("default", "coarse", "polish")
+OCCASIONS = ("default", "coarse", "polish", "again")
 """When a component may be used with other parameters than the defaults of its signature: see
 ``presets`` in :mod:`moseg_core.components.protocols`."""
 
@@ -106,6 +106,13 @@ class PreparedComponent:
     def tuned(self, occasion: str) -> PreparedComponent:
         """The same where the user has chosen no parameters; else as it is."""
         return self if self.by_user else self.preset(occasion)
+
+    def varied(self) -> PreparedComponent:
+        """For the starts after the first: what the class names for these, where nobody says else.
+
+        Other parameters stay as they are.
+        """
+        return replace(self, parameters={**self.presets.get("again", {}), **self.parameters})
 
     def make(self, *arguments: Any, **more: Any) -> Any:
         """Construct the component with what the search gives it and the user's parameters.

@@ -12,7 +12,7 @@ The search spends its time here. Three things keep it short, none of which chang
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -39,6 +39,9 @@ from moseg_core.search.checked_partition import checked
 from moseg_core.shape.pins import NO_PINS, Pins
 from moseg_core.shape.shape import Shape
 from moseg_core.types import FloatArray, Int32Array, IntArray, frozen
+
+#: Up to so many labels of candidates are held at a time, when parts only change their labels.
+_TOGETHER = 4_000_000
 
 Found = tuple[Cost, FloatArray]
 """A cost, and the (m,) vector that has it."""
@@ -156,7 +159,7 @@ class ProblemEvaluator:
             owner.append(first_of.setdefault(key, len(candidates)))
             if owner[-1] == len(candidates):
                 candidates.append(_Candidate(self, segmentation))
-        found = self._complete(candidates, batch)
+        found = self._complete(candidates, cutoff=batch.cutoff, best_only=batch.best_only)
         costs = [found[k] for k in owner]
         if costs:
             least = min(costs)  # exact, by the batch's promises, unless it is beyond the cutoff
@@ -166,7 +169,11 @@ class ProblemEvaluator:
 
     def unary_costs(self, vector: FloatArray) -> UnaryCosts:
         """The paper's cost matrix ``C`` for the parts of a vector (Sec. 6)."""
-        return UnaryCosts(self.problem, self.segmentation(self.labels(vector)), self.pins)
+        return self.unary_costs_of(self.segmentation(self.labels(vector)))
+
+    def unary_costs_of(self, segmentation: Segmentation) -> UnaryCosts:
+        """The same for parts at hand, in any order."""
+        return UnaryCosts(self.problem, segmentation, self.pins)
 
     def order_cost(self, segmentation: Segmentation, order: IntArray) -> Cost:
         """Cost of a segmentation when label ``j`` goes to its part ``order[j]``."""
@@ -174,6 +181,29 @@ class ProblemEvaluator:
         for rank in self._by_rank:
             candidate.evaluate(rank)
         return candidate.cost
+
+    def order_costs(
+        self, segmentation: Segmentation, orders: Sequence[IntArray], cutoff: Cost
+    ) -> list[Cost]:
+        """Costs of a segmentation under several orders, of which only the best matters.
+
+        Parameters
+        ----------
+        segmentation : Segmentation
+        orders : sequence of (n,) int
+            See :meth:`order_cost`.
+        cutoff : Cost
+            A cost that is not below it, or not the least, may be a lower bound that is not so
+            either.
+        """
+        self.evaluations += len(orders)
+        costs: list[Cost] = []
+        together = max(1, _TOGETHER // max(1, segmentation.level.n_elements))
+        for first in range(0, len(orders), together):
+            some = orders[first : first + together]
+            candidates = [_Candidate(self, segmentation.permuted(order)) for order in some]
+            costs += self._complete(candidates, cutoff=min([cutoff, *costs]), best_only=True)
+        return costs
 
     def labelled_costs(self, vectors: FloatArray) -> list[tuple[IntArray, Cost]]:
         """For each vector the best labels by the unary objectives, and the cost under them.
@@ -193,9 +223,7 @@ class ProblemEvaluator:
         self.evaluations += len(vectors)
         found = []
         for vector, segmentation in zip(vectors, self._segmentations(vectors), strict=True):
-            order = UnaryCosts(self.problem, segmentation, self.pins).assign(
-                self.constraints.groups
-            )
+            order = self.unary_costs_of(segmentation).assign(self.constraints.groups)
             cost = self.order_cost(segmentation, order)
             if self.best is None or cost < self.best[0]:
                 self._keep(cost, self.parameterization.permute(vector, order))
@@ -215,11 +243,13 @@ class ProblemEvaluator:
         if self.best is None or cost < self.best[0]:
             self.best = cost, vector.copy()
 
-    def _complete(self, candidates: list[_Candidate], batch: Batch) -> list[Cost]:
-        """Costs of distinct candidates, dropping those that cannot matter."""
-        limit = batch.cutoff
+    def _complete(
+        self, candidates: list[_Candidate], *, cutoff: Cost | None, best_only: bool
+    ) -> list[Cost]:
+        """Costs of distinct candidates, dropping those that cannot matter; see :class:`Batch`."""
+        limit = cutoff
         ranks = sorted(self._by_rank)
-        if not batch.best_only:
+        if not best_only:
             for candidate in candidates:
                 for rank in ranks:
                     if limit is not None and candidate.cost >= limit:

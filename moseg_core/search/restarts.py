@@ -30,7 +30,8 @@ from moseg_core.problem.settings import SearchOptions
 from moseg_core.search.beginning import begin
 from moseg_core.search.best_so_far import TrackedWorkers
 from moseg_core.search.evaluator import ProblemEvaluator
-from moseg_core.search.run import Run, RunOutcome, go_on, set_up
+from moseg_core.search.exchange import exchanged_vector
+from moseg_core.search.run import Run, RunOutcome, anew, go_on, set_up
 from moseg_core.search.workers import Task, Workers
 from moseg_core.shape.coarse import coarsen
 from moseg_core.shape.pins import Pins
@@ -125,6 +126,8 @@ class Plan:
         On the clock of :func:`time.monotonic`.
     repeats : bool
         Whether starts that draw no random numbers are repeated all the same.
+    exchanges : bool
+        Whether labels are exchanged where that costs less (:mod:`moseg_core.search.exchange`).
     """
 
     coarse: ProblemEvaluator
@@ -137,6 +140,7 @@ class Plan:
     frozen: Sequence[int]
     deadline: float | None
     repeats: bool
+    exchanges: bool
 
     @property
     def races(self) -> bool:
@@ -144,13 +148,22 @@ class Plan:
         limit = self.ready["optimizer"].parameters.get("max_evaluations")
         return self.finalists < self.restarts and limit is None
 
+    @property
+    def varies(self) -> bool:
+        """Whether starts after the first are seeded in another way; what is frozen is where it is."""
+        anew = self.start is None and not self.frozen
+        return anew and "again" in self.ready["seeder"].presets
+
     def attempt(self, k: int, *, report: Report) -> Attempt:
         """Start number `k`: search for a while, or to the end where none is dropped."""
         rng = np.random.default_rng(self.seed if k == 0 else [self.seed, k])
         fresh = rng.bit_generator.state
+        ready = dict(self.ready)
+        if k > 0 and self.varies:
+            ready["seeder"] = ready["seeder"].varied()
         run = begin(
             self.coarse,
-            self.ready,
+            ready,
             rng=rng,
             report=report,
             start=self.start,
@@ -158,19 +171,48 @@ class Plan:
             deadline=self.deadline,
         )
         until = _TRIAL * int(run.free.sum()) if self.races else math.inf
-        outcome = self.advance(run, until, report=report)
+        run, outcome = self.further(run, until, report=report)
         return Attempt(run=run, outcome=outcome, drew=rng.bit_generator.state != fresh)
 
     def further(self, run: Run, until: float, *, report: Report) -> tuple[Run, RunOutcome]:
-        """Take up a start where it was left; the run comes back, since it may have been a copy."""
-        return run, self.advance(run, until, report=report)
+        """Search until so many evaluations are done.
 
-    def advance(self, run: Run, until: float, *, report: Report) -> RunOutcome:
-        """Search until so many evaluations are done."""
+        The run comes back, since it may have been a copy, or taken up anew from other labels.
+        """
         optimizer = self.ready["optimizer"]
-        return go_on(
+        outcome = go_on(
             run, self.coarse, optimizer, report=report, deadline=self.deadline, until=until
         )
+        if outcome.reason != "paused":
+            return run, self.settled(run, outcome, self.coarse, report=report)
+        better = self.exchanged(outcome, self.coarse)
+        if better is not outcome:
+            run = anew(run, better, self.coarse, optimizer, frozen=self.frozen)
+        return run, better
+
+    def exchanged(self, outcome: RunOutcome, evaluator: ProblemEvaluator) -> RunOutcome:
+        """The same where no exchange of labels lowers its cost, else that with other labels."""
+        if not self.exchanges or outcome.reason in ("interrupted", "seconds"):
+            return outcome
+        vector, cost = exchanged_vector(evaluator, outcome.vector, outcome.cost, frozen=self.frozen)
+        if vector is outcome.vector:
+            return outcome
+        return replace(outcome, vector=vector, cost=cost)
+
+    def settled(
+        self, run: Run, outcome: RunOutcome, evaluator: ProblemEvaluator, *, report: Report
+    ) -> RunOutcome:
+        """The end of a search: labels exchanged and centres moved by turns while that helps."""
+        while (better := self.exchanged(outcome, evaluator)) is not outcome:
+            if better.reason != "converged":  # a limit on evaluations is kept
+                return better
+            ready = polisher(self.ready["optimizer"], evaluator.problem.registry)
+            run = anew(run, better, evaluator, ready, frozen=self.frozen)
+            reason = better.reason
+            outcome = go_on(run, evaluator, ready, report=report, deadline=self.deadline)
+            if outcome.reason == "evaluations":  # that of a short search, as it is meant to be
+                outcome = replace(outcome, reason=reason)
+        return outcome
 
     def polish(self, outcome: RunOutcome, *, report: Report) -> RunOutcome:
         """Improve on input elements what was found on super-elements."""
@@ -178,6 +220,7 @@ class Plan:
         rng = np.random.default_rng(0)
         run = set_up(self.whole, ready, outcome.vector, rng=rng, frozen=self.frozen, stage="polish")
         better = go_on(run, self.whole, ready, report=report, deadline=self.deadline)
+        better = self.settled(run, better, self.whole, report=report)
         reason = "seconds" if better.reason == "seconds" else outcome.reason
         history = {**outcome.history, **better.history}
         return replace(better, reason=reason, history=history, warning=outcome.warning)
@@ -229,11 +272,12 @@ def carry_out(plan: Plan, workers: int, listener: Listener) -> tuple[list[RunOut
 def all_starts(plan: Plan, pool: TrackedWorkers) -> list[RunOutcome]:
     """Run the search from every start, until asked to stop.
 
-    A run that draws no random numbers is the same each time; it is repeated only on request.
+    A run that draws no random numbers, and would be seeded no other way, is the same each time; it
+    is repeated only on request.
     """
 
     def alone(k: int, attempt: Attempt) -> bool:
-        return k == 0 and not plan.repeats and not attempt.drew
+        return k == 0 and not (plan.repeats or attempt.drew or plan.varies)
 
     def enough(k: int, attempt: Attempt) -> bool:
         return alone(k, attempt) or attempt.outcome.reason == "seconds"

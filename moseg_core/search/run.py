@@ -78,6 +78,8 @@ class Run:
         From the seeder; empty where all is well.
     evaluations : int
         Candidates evaluated so far.
+    earlier : tuple of dict
+        History of the search that this one goes on from.
     """
 
     search: Optimizer | None
@@ -87,6 +89,7 @@ class Run:
     seeding: tuple[dict[str, float], ...] = ()
     warning: str = ""
     evaluations: int = 0
+    earlier: tuple[dict[str, float], ...] = ()
 
 
 def set_up(
@@ -114,6 +117,27 @@ def set_up(
         stage=stage,
         seeding=tuple(seeding.history) if seeding else (),
         warning=seeding.warning if seeding else "",
+    )
+
+
+def anew(
+    run: Run,
+    outcome: RunOutcome,
+    evaluator: ProblemEvaluator,
+    ready: PreparedComponent,
+    *,
+    frozen: Sequence[int],
+) -> Run:
+    """The run taken up from the vector of an outcome, by an optimizer that begins there."""
+    stage = "polish" if run.stage == "polish" else "search"
+    rng = np.random.default_rng(0)
+    begun = set_up(evaluator, ready, outcome.vector, rng=rng, frozen=frozen, stage=run.stage)
+    return replace(
+        begun,
+        seeding=run.seeding,
+        warning=run.warning,
+        evaluations=run.evaluations,
+        earlier=outcome.history[stage],
     )
 
 
@@ -155,7 +179,7 @@ def go_on(
             vector=vector,
             cost=cost,
             reason="converged",
-            history={**seeding, stage: ()},
+            history={**seeding, stage: run.earlier},
             warning=run.warning,
         )
     reason = _ask_and_tell(run, search, evaluator, ready, report, deadline, until)
@@ -165,7 +189,7 @@ def go_on(
         vector=evaluator.constraints.expand(_filled(found[None], run.base, run.free))[0],
         cost=cost,
         reason=reason,
-        history={**seeding, stage: records},
+        history={**seeding, stage: _followed(run.earlier, records)},
         warning=run.warning,
     )
 
@@ -226,6 +250,18 @@ def _filled(vectors: FloatArray, base: FloatArray, free: BoolArray) -> FloatArra
     whole = np.repeat(base[None], len(vectors), axis=0)
     whole[:, free] = vectors
     return whole
+
+
+def _followed(
+    earlier: tuple[dict[str, float], ...], records: tuple[dict[str, float], ...]
+) -> tuple[dict[str, float], ...]:
+    """Records of two searches as those of one, evaluations counted on."""
+    done = earlier[-1].get("evaluations", 0) if earlier else 0
+    counted = ("evaluations" in record for record in records)
+    return earlier + tuple(
+        {**record, "evaluations": record["evaluations"] + done} if counts else record
+        for record, counts in zip(records, counted, strict=True)
+    )
 
 
 def plain_records(

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
@@ -31,6 +32,7 @@ from moseg_core.problem.settings import (
 from moseg_core.search.beginning import until
 from moseg_core.search.checked_partition import make_partition
 from moseg_core.search.evaluator import ProblemEvaluator
+from moseg_core.search.exchange import best_order
 from moseg_core.search.refinement import ReadyRefiner, Refinement
 from moseg_core.search.restarts import (
     Listener,
@@ -228,6 +230,7 @@ def solve(
         frozen=frozen,
         deadline=deadline,
         repeats=options.restarts is not None,
+        exchanges=settled.settings != "paper",
     )
     outcomes, best = carry_out(plan, settled.workers, listener)
     found = _labelled(whole, best)
@@ -239,6 +242,8 @@ def solve(
             interrupted=listener.stopped,
             warning=lacking,
         )
+    if best.failure is None and found.failure is None and not listener.stopped:
+        best, found = _exchanged(plan, best, found)
     result = _result(
         shape, plan, settled, ready, outcomes, best, found, interrupted=listener.stopped
     )
@@ -256,6 +261,33 @@ def _labelled(whole: ProblemEvaluator, best: RunOutcome) -> Refinement:
         return Refinement(labels=labels, evaluation=whole.evaluate_labels(labels))
     except MosegError as error:
         raise best.failure or error from None  # once more what had ended the run
+
+
+def _exchanged(plan: Plan, best: RunOutcome, found: Refinement) -> tuple[RunOutcome, Refinement]:
+    """Vector and labels after the last exchange of labels; what a refiner moved may call for it.
+
+    Where an exchange is about labels of different numbers of centres, no vector is sure to have its
+    partition, and the centres are only near.
+    """
+    whole, names = plan.whole, plan.whole.problem.labels
+    try:
+        order = best_order(whole, best.vector, found.labels, frozen=plan.frozen)
+        if (order == np.arange(len(order))).all():
+            return best, found
+        labels = np.argsort(order).astype(np.int32)[found.labels]
+        evaluation = whole.evaluate_labels(labels)
+    except MosegError as error:
+        return best, replace(found, failure=error)
+    if not plan.exchanges:
+        moved = [f"'{names[k]}'" for k in np.flatnonzero(order != np.arange(len(order)))]
+        said = (
+            f"exchanging the labels {', '.join(moved[:-1])} and {moved[-1]} would lower the cost"
+            f" from {found.evaluation.cost.value:.4g} to {evaluation.cost.value:.4g}; --settings"
+            " default does so"
+        )
+        return best, replace(found, warning="; ".join(filter(None, [found.warning, said])))
+    vector = whole.parameterization.permute(best.vector, order)
+    return replace(best, vector=vector), replace(found, labels=labels, evaluation=evaluation)
 
 
 def _result(

@@ -110,7 +110,12 @@ def test_foreign_components_take_part(foreign):
 
     foreign.module.seed, foreign.module.label = seeder(at(3, 40)), labeler(np.array([1, 0]))
     foreign.module.walk = Walk
-    found = foreign.run(seeder="foreign:seed", labeler="label", optimizer="walk(max_evaluations=1)")
+    found = foreign.run(
+        seeder="foreign:seed",
+        labeler="label",
+        optimizer="walk(max_evaluations=1)",
+        settings="paper",
+    )
     assert found.centers.positions == pytest.approx(SHAPE.points[[40, 3]], rel=1e-12)
     assert found.method["optimizer"] == "foreign:walk(max_evaluations=1)"
     assert found.versions["foreign:seed"] == "moseg-foreign 2.0"

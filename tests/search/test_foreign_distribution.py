@@ -280,7 +280,7 @@ def test_centres_by_hand_are_about_the_first_level_only(acme):
         optimizer="walk(steps=1)",
     )
     assert found.method["seeder"].startswith("acme:clicks(centers=")
-    assert found.method["one: seeder"] == "core:kmeans"
+    assert found.method["one: seeder"] == "core:kmeans(outliers=0.001)"
 
 
 def test_a_seeder_that_says_that_it_takes_centres_must(acme):

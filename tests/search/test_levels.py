@@ -141,8 +141,9 @@ def test_a_recipe_is_a_task(result):
 
 
 def test_history_method_and_versions_tell_the_level(result):
-    assert set(result.history) == {"seeding", "search", "rest: seeding", "rest: search"}
-    assert result.method["rest: seeder"] == result.method["seeder"] == "core:kmeans"
+    stages = {"seeding", "search", "restarts"}
+    assert set(result.history) == stages | {f"rest: {stage}" for stage in stages}
+    assert result.method["rest: seeder"] == result.method["seeder"] == "core:kmeans(outliers=0.001)"
     assert result.versions == dict(sorted(result.versions.items()))
     assert {"basic:narrow", "core:kmeans"} <= set(result.versions)
 
@@ -245,7 +246,7 @@ def test_centres_by_hand_are_those_of_the_whole():
     seeder = {"name": "given", "centers": "bar=3.5,0.5,7.5,rest=3.5,0.5,3"}
     found = segment_hierarchy(SHAPE, TASK, seeder=seeder, optimizer=FEW)
     assert found.method["seeder"].startswith("core:given")
-    assert found.method["rest: seeder"] == "core:kmeans"
+    assert found.method["rest: seeder"] == "core:kmeans(outliers=0.001)"
 
 
 def test_a_hierarchical_result_is_no_start(result):

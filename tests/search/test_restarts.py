@@ -71,7 +71,16 @@ def placed(squares, *, draws=True):
     return seeder(place)
 
 
-def plan_of(seeds, *, restarts, finalists=2, repeats=True, deadline=None, **parameters):
+def plan_of(
+    seeds,
+    *,
+    restarts,
+    finalists=2,
+    repeats=True,
+    deadline=None,
+    exchanges=False,
+    **parameters,
+):
     evaluator = on_strip()
     ready = {
         "seeder": seeds,
@@ -89,6 +98,7 @@ def plan_of(seeds, *, restarts, finalists=2, repeats=True, deadline=None, **para
         frozen=(),
         deadline=deadline,
         repeats=repeats,
+        exchanges=exchanges,
     )
 
 
@@ -291,6 +301,7 @@ def finished(ends, *, deadline=0.0):
         frozen=(),
         deadline=deadline,
         repeats=True,
+        exchanges=False,
     )
     tracked = TrackedWorkers(coarse, whole)
 

@@ -98,8 +98,15 @@ def test_a_small_shape_is_searched_as_it_is():
 
 
 def test_a_run_without_random_numbers_is_not_repeated():
-    assert "restarts" not in run().history
-    assert len(run(restarts=2).history["restarts"]) == 2
+    spread = [40, 900]
+    centers = Centers(positions=SHAPE.points[spread], weights=np.ones(2))
+    assert "restarts" not in run(start=centers).history
+    assert len(run(start=centers, restarts=2).history["restarts"]) == 2
+
+
+def test_starts_of_k_means_differ():
+    costs = {record["value"] for record in run(restarts=4).history["restarts"]}
+    assert len(costs) > 2
 
 
 def test_settings_of_the_paper():
