@@ -133,7 +133,9 @@ def _orders(
 ) -> list[IntArray]:
     """Exchanges of two labels, of two groups that constraints hold together, and an assignment."""
     n = len(evaluator.problem.labels)
-    swaps = [((a,), (b,)) for a, b in combinations(range(n), 2)]
+    swaps: list[tuple[tuple[int, ...], tuple[int, ...]]] = [
+        ((a,), (b,)) for a, b in combinations(range(n), 2)
+    ]
     groups = evaluator.constraints.groups
     for first, second in combinations(groups, 2):
         if first.role == second.role and len(first.members) == len(second.members) > 1:

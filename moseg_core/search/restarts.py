@@ -150,7 +150,7 @@ class Plan:
 
     @property
     def varies(self) -> bool:
-        """Whether starts after the first are seeded in another way; what is frozen is where it is."""
+        """Whether later starts are seeded in another way; what is frozen stays in one place."""
         anew = self.start is None and not self.frozen
         return anew and "again" in self.ready["seeder"].presets
 
