@@ -129,6 +129,9 @@ class SearchFlags:
         End the search after about this time; the result then depends on the machine.
     workers
         Number of processes; as many as there are processors by default. The result is the same.
+    ignore_pieces_below
+        Leave loose pieces with less than this share of the area out of the search: 0.1%. They get
+        the label of the nearest part.
     """
 
     seeder: str | None = None
@@ -143,6 +146,7 @@ class SearchFlags:
     seed: int = 0
     max_seconds: float | None = None
     workers: int | None = None
+    ignore_pieces_below: str = "0"
 
 
 @Parameter(name="*", group=_KNOWN)

@@ -35,6 +35,7 @@ from moseg_core.problem.statement import SEPARATOR
 from moseg_core.problem.variants import Variants
 from moseg_core.search.clipped_result import check_components, clip
 from moseg_core.search.number_of_parts import TRIED, solve_parts
+from moseg_core.search.pieces import searched_part
 from moseg_core.search.result import Result
 from moseg_core.search.segment import check_frozen, matched_centers, prepare_components
 from moseg_core.search.variants import check_variants, solve_variants, tried_sets
@@ -91,7 +92,7 @@ def run_segment(
 
     started = time.monotonic()
     shape = read_shape(path, reading)
-    problem.check(problem.embed(shape))
+    problem.check(problem.embed(searched_part(shape, options)))
     if clipped:
         check_clippable(shape)
     for output in outputs:

@@ -59,6 +59,7 @@ class OptionValues(TypedDict, total=False):
     seed: int
     max_seconds: float | None
     workers: int
+    ignore_pieces_below: float | str
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -80,6 +81,7 @@ class SettledOptions:
     seed: int
     max_seconds: float | None
     workers: int
+    ignore_pieces_below: float
 
     def check_resolution(self, n_labels: int, where: str = "") -> None:
         """Refuse a resolution with fewer super-elements than there are labels.
@@ -204,6 +206,9 @@ class SearchOptions(Method):
         Ends the search after about this time.
     workers : int
         Number of processes to share the starts among.
+    ignore_pieces_below : float or str
+        Share of the area, as a number from 0 to 1 or as ``"0.1%"``: connected pieces with less are
+        left out of the search (:mod:`moseg_core.search.pieces`).
 
     Raises
     ------
@@ -215,6 +220,7 @@ class SearchOptions(Method):
     seed: int = 0
     max_seconds: float | None = None
     workers: int = 1
+    ignore_pieces_below: Any = 0.0
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -225,6 +231,7 @@ class SearchOptions(Method):
         if isinstance(self.workers, str):
             raise UsageError(f"the number of workers must be a whole number, not {self.workers!r}")
         object.__setattr__(self, "workers", _count(self.workers, "worker"))
+        object.__setattr__(self, "ignore_pieces_below", _share(self.ignore_pieces_below))
 
     @classmethod
     def of(cls, values: Mapping[str, Any]) -> SearchOptions:
@@ -312,6 +319,23 @@ def _count(given: object, what: str) -> int:
     if given < 1:
         raise UsageError(f"there must be at least one {what}, not {given}")
     return int(given)
+
+
+def _share(given: object) -> float:
+    """A share of the area, from a number or a text such as "0.1%"."""
+    found: object = given
+    if isinstance(given, str):
+        text, percent = given.strip().removesuffix("%"), given.strip().endswith("%")
+        try:
+            found = float(text) / (100 if percent else 1)
+        except ValueError:
+            found = None
+    if isinstance(found, bool) or not isinstance(found, Real) or not 0 <= float(found) < 1:
+        raise UsageError(
+            "the share of the area below which pieces are ignored must be from 0 to 1, or a"
+            f" percentage such as 0.1%, not {given!r}"
+        )
+    return float(found)
 
 
 def _check_seconds(given: object) -> None:

@@ -34,6 +34,7 @@ from moseg_core.problem.problem import Problem
 from moseg_core.problem.recipe import Recipe
 from moseg_core.problem.settings import OptionValues, SearchOptions
 from moseg_core.problem.statement import joined
+from moseg_core.search.pieces import PinsGiven, on_large_pieces
 from moseg_core.search.restarts import Listener
 from moseg_core.search.result import Result
 from moseg_core.search.segment import prepare_components, solve
@@ -113,9 +114,14 @@ def solve_hierarchy(
 ) -> Result:
     """The same as :func:`segment_hierarchy`, with the options in one piece."""
     check_hierarchy(hierarchy, options)
-    descent = _Descent.of(hierarchy, options, Listener(report or never_stop))
-    whole = descent.search(shape, hierarchy, "", start=start, freeze=freeze, pins=pins)
-    return descent.merged(whole, hierarchy)
+    listener = Listener(report or never_stop)
+
+    def search(part: Shape, rest: SearchOptions, its: PinsGiven) -> Result:
+        descent = _Descent.of(hierarchy, rest, listener)
+        whole = descent.search(part, hierarchy, "", start=start, freeze=freeze, pins=its)
+        return descent.merged(whole, hierarchy)
+
+    return on_large_pieces(shape, options, search, pins)
 
 
 def refine(

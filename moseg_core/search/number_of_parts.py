@@ -28,6 +28,7 @@ from moseg_core.problem.settings import OptionValues, SearchOptions
 from moseg_core.problem.statement import Statement
 from moseg_core.search.alternatives import chosen_among
 from moseg_core.search.levels import check_hierarchy, solve_hierarchy
+from moseg_core.search.pieces import on_large_pieces
 from moseg_core.search.restarts import Listener
 from moseg_core.search.result import Result, find_warnings
 from moseg_core.shape.shape import Shape
@@ -143,6 +144,12 @@ def solve_parts(
     report: Report,
 ) -> Result:
     """The same as :func:`segment_parts`, with statement and options in one piece each."""
+    if options.ignore_pieces_below > 0:
+        return on_large_pieces(
+            shape,
+            options,
+            lambda part, rest, _: solve_parts(part, statement, given, rest, report=report),
+        )
     tasks = [
         Hierarchy.of(statement.with_parts(number)) for number in numbers_to_try(statement, given)
     ]

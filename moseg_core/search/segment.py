@@ -11,6 +11,7 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -33,6 +34,7 @@ from moseg_core.search.beginning import until
 from moseg_core.search.checked_partition import make_partition
 from moseg_core.search.evaluator import ProblemEvaluator
 from moseg_core.search.exchange import best_order
+from moseg_core.search.pieces import on_large_pieces
 from moseg_core.search.refinement import ReadyRefiner, Refinement
 from moseg_core.search.restarts import (
     Listener,
@@ -70,6 +72,7 @@ def segment(
     seed: int = 0,
     max_seconds: float | None = None,
     workers: int = 1,
+    ignore_pieces_below: float | str = 0.0,
     defaults: Method | None = None,
     report: Report | None = None,
 ) -> Result:
@@ -112,6 +115,9 @@ def segment(
     workers : int
         Number of processes to share the starts among, where the system can fork them; it makes no
         difference to the result.
+    ignore_pieces_below : float or str
+        Share of the area, from 0 to 1 or as ``"0.1%"``: loose pieces with less are left out of the
+        search and of the cost, and get the label of the nearest part.
     defaults : Method, optional
         What to use where none of these options says anything: ``recipe.statement.search``.
     report : callable, optional
@@ -154,16 +160,11 @@ def segment(
         seed=seed,
         max_seconds=max_seconds,
         workers=workers,
+        ignore_pieces_below=ignore_pieces_below,
     )
-    return solve(
-        shape,
-        problem,
-        options,
-        defaults=defaults,
-        start=start,
-        freeze=freeze,
-        pins=pins,
-        report=report,
+    more: Any = {"defaults": defaults, "start": start, "freeze": freeze, "report": report}
+    return on_large_pieces(
+        shape, options, lambda part, rest, its: solve(part, problem, rest, pins=its, **more), pins
     )
 
 
@@ -178,14 +179,12 @@ def solve(
     pins: Mapping[str, npt.ArrayLike] | None = None,
     report: Report | None = None,
 ) -> Result:
-    """The same as :func:`segment`, with the options in one piece.
+    """The same as :func:`segment`, with the options in one piece; no pieces are left out.
 
     Check the request; embed the shape (Sec. 9), group its elements, and make an evaluator for
     each of the two; run the starts; partition the input's elements by the best vector found, and
     refine the boundaries where that is asked for.
     """
-    if not isinstance(shape, Shape):
-        raise UsageError(f"segment takes a Shape, from moseg.load(path), not {shape!r:.60}")
     if isinstance(problem, Hierarchy):
         raise UsageError("segment takes one Problem; give a Hierarchy to segment_hierarchy")
     if not isinstance(problem, Problem):

@@ -33,6 +33,7 @@ from moseg_core.problem.variants import Variants
 from moseg_core.search.alternatives import chosen_among
 from moseg_core.search.label_set_trial import Trial, for_task
 from moseg_core.search.levels import check_hierarchy, divided, solve_hierarchy
+from moseg_core.search.pieces import on_large_pieces
 from moseg_core.search.restarts import Listener
 from moseg_core.search.result import Result
 from moseg_core.shape.shape import Shape
@@ -127,6 +128,26 @@ def solve_variants(
     report: Report | None = None,
 ) -> Result:
     """The same as :func:`segment_variants`, with names looked up and options in one piece."""
+    rest: Any = {"start": start, "freeze": freeze, "report": report}
+    return on_large_pieces(
+        shape,
+        options,
+        lambda part, own, its: _solved(part, variants, own, pins=its, **rest),
+        pins,
+    )
+
+
+def _solved(
+    shape: Shape,
+    variants: Variants,
+    options: SearchOptions,
+    *,
+    start: Centers | Result | None,
+    freeze: Sequence[str],
+    pins: Mapping[str, npt.ArrayLike] | None,
+    report: Report | None,
+) -> Result:
+    """See :func:`solve_variants`."""
     more: dict[str, Any] = {"start": start, "freeze": freeze, "pins": pins}
     if len(variants.tasks) == 1:
         task = variants.tasks[0]
