@@ -9,6 +9,7 @@ test writes down, as if a stranger had brought them.
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
@@ -16,6 +17,7 @@ from hypothesis import strategies as st
 
 from moseg_core.builtin.voronoi import Voronoi
 from moseg_core.components.chosen import PreparedComponent
+from moseg_core.components.cost import Cost
 from moseg_core.components.discovery.registry import Component
 from moseg_core.components.discovery.specs import (
     LabelerSpec,
@@ -39,6 +41,7 @@ from tests.references import Listed
 
 STRIP = Shape.from_mesh(*shapes.strip(8))
 INF = math.inf
+LETTERS = list("abcdefgh")
 RANGES = [(0.0, 1.0), (-1.0, 2.0), (0.0, INF), (-INF, 0.5), (-INF, INF), (-3.0, -1.0)]
 
 
@@ -88,6 +91,23 @@ def exact_costs(problem, labellings):
         ).cost
         for labels in labellings
     ]
+
+
+def cost_of(problem, shape, labels):
+    """Every term, nothing remembered."""
+    parts = Segmentation.from_labels(shape, labels, len(problem.labels), memo=Memo(size=0))
+    return evaluate_segmentation(problem.terms, problem.labels, parts).cost
+
+
+def lower_by_exchange(problem, shape, labels):
+    """Costs of all exchanges of two labels that are clearly lower, one at a time."""
+    cost = cost_of(problem, shape, labels)
+    clearly = Cost(cost.empty, cost.value - 2e-9 * abs(cost.value))
+    found = []
+    for a, b in itertools.combinations(range(len(problem.labels)), 2):
+        swapped = np.where(labels == a, b, np.where(labels == b, a, labels))
+        found.append(cost_of(problem, shape, swapped))
+    return [other for other in found if other < clearly]
 
 
 @st.composite

@@ -78,7 +78,12 @@ class SavedResult:
             raise UsageError(unknown("level", path, [p for p, _ in self.statement.levels()]))
         settled = {front + "refiner": NO_REFINER} | dict(self.method)
         options: Any = {key: settled[front + key] for key in RECIPE_OPTIONS}
-        return SearchOptions(**options, settings=self.method[front + "settings"], seed=self.seed)
+        return SearchOptions(
+            **options,
+            settings=self.method[front + "settings"],
+            seed=self.seed,
+            ignore_pieces_below=self.method.get(front + "ignore_pieces_below", 0.0),
+        )
 
 
 def read_result(path: str | os.PathLike[str]) -> SavedResult:

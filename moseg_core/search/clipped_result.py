@@ -44,7 +44,8 @@ def clip(result: Result, *, space: Shape | None = None) -> Result:
     ------
     UsageError
         The result was found with a parameterization that does not know where parts meet between
-        elements, a refiner has moved its boundaries, or it is one of several levels.
+        elements, a refiner has moved its boundaries, parts of different numbers of centres have
+        exchanged their labels, or it is one of several levels.
     ShapeError
         The shape is no mesh, or `space` does not have its faces and vertices.
 
@@ -91,7 +92,14 @@ def _boundaries(ready: PreparedComponent, space: Shape, result: Result) -> Bound
         return Bisectors(centers.positions, centers.weights)
     assert isinstance(result.problem, Problem)  # results of several levels are refused
     partition = make_partition(ready, space, result.problem)
-    return DistanceField(partial(partition.distances, partition.encode(centers)))
+    vector = partition.encode(centers)
+    if centers.parts is not None and (partition.labels(vector[None])[0] != result.labels).any():
+        raise UsageError(
+            "boundaries of parts that have exchanged their labels, and have different numbers of"
+            " centres, cannot be clipped: clipping follows the centres; leave the clipping out, or"
+            " give each part one centre"
+        )
+    return DistanceField(partial(partition.distances, vector))
 
 
 def check_components(ready: Mapping[Kind, PreparedComponent]) -> None:

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from moseg_core.builtin.kmeans import KMeans, furthest_points
+from moseg_core.builtin.kmeans import KMeans, drawn_points, furthest_points
 from moseg_core.builtin.voronoi import Voronoi
 from moseg_core.components.objectives import objective
 from moseg_core.components.part import Part
@@ -34,11 +34,11 @@ def nothing(part: Part) -> float:
     return 0.0
 
 
-def run(shape, n, *, parameterization=None, reports=None, **parameters):
+def run(shape, n, *, parameterization=None, reports=None, seed=0, **parameters):
     problem = Problem([f"p{k}" for k in range(n)], "nothing(p0)", objectives={"nothing": nothing})
     evaluator = ProblemEvaluator(shape, problem, parameterization or Voronoi(shape, n))
     report = (lambda progress: None) if reports is None else reports.append
-    return KMeans(**parameters)(evaluator, rng=np.random.default_rng(0), report=report)
+    return KMeans(**parameters)(evaluator, rng=np.random.default_rng(seed), report=report)
 
 
 def literal(mesh, shape, n, *, connected=True, rounds=100):
@@ -211,3 +211,83 @@ def test_points_that_coincide_still_give_finite_centres():
     found = run(shape, 9)
     assert found.centers.shape == (9, 3)
     assert np.isfinite(found.centers).all()
+
+
+# --- what the paper does not have ----------------------------------------------------------------
+
+
+def literal_furthest(points, areas, n, spared):
+    """Furthest points, each the first from the outside in with more than so much area behind it."""
+
+    def first_beyond(distances, elements):
+        behind = 0.0
+        for f in sorted(elements, key=lambda f: -distances[f]):
+            behind += areas[f]
+            if behind > spared:
+                return f
+        raise AssertionError("everything is spared")
+
+    def apart(p, q):
+        return sum((a - b) ** 2 for a, b in zip(p, q, strict=True))
+
+    every = range(len(points))
+    total = sum(areas)
+    middle = [sum(a * p[k] for a, p in zip(areas, points, strict=True)) / total for k in range(3)]
+    radius = [apart(p, middle) for p in points]
+    rim = radius[first_beyond(radius, every)]
+    inner = [f for f in every if radius[f] <= rim]
+    chosen = [inner[f] for f in references.farthest_pair([points[f] for f in inner])][:n]
+    while len(chosen) < n:
+        nearest = [min(apart(p, points[c]) for c in chosen) for p in points]
+        chosen.append(first_beyond(nearest, every))
+    return [points[f] for f in chosen]
+
+
+@given(st.integers(0, 2**32), st.integers(2, 25), st.integers(1, 6), st.floats(0.001, 0.3))
+@settings(max_examples=80, deadline=None)
+def test_so_much_area_is_left_out_of_account_where_centres_start(seed, size, n, share):
+    rng = np.random.default_rng(seed)
+    points, areas = rng.normal(size=(size, 3)), rng.uniform(0, 1, size) ** 3
+    spared = share * areas.sum()
+    found = furthest_points(points, n, areas=areas, spared=spared)
+    assert found.tolist() == literal_furthest(points.tolist(), areas.tolist(), n, spared)
+
+
+def specked(count):
+    """A tee with specks far away."""
+    specks = [
+        (np.array([[30.0 + k, 5, 5], [30.01 + k, 5, 5], [30 + k, 5.01, 5]]), [(0, 1, 2)])
+        for k in range(count)
+    ]
+    return Shape.from_mesh(*shapes.joined(shapes.jitter(shapes.tee(), 5), *specks))
+
+
+@pytest.mark.parametrize("count", [1, 3])
+def test_no_speck_keeps_a_centre_for_itself(count):
+    shape, tee = specked(count), Shape.from_mesh(*shapes.jitter(shapes.tee(), 5))
+    assert run(shape, 2).centers[:, 0].max() > 20  # as in the paper
+    preset = KMeans.presets["default"]
+    found = run(shape, 2, **preset).centers
+    assert found == pytest.approx(run(tee, 2).centers, abs=1e-2)
+    for seed in range(20):
+        assert run(shape, 2, **preset, **KMeans.presets["again"], seed=seed).centers.max() < 20
+
+
+def test_drawn_centres_differ_from_start_to_start_and_not_for_one_seed():
+    shape = Shape.from_mesh(*shapes.jitter(shapes.bent_capsule(20, 10), 2))
+    found = [run(shape, 4, drawn=True, seed=seed).centers.tobytes() for seed in range(6)]
+    assert len(set(found)) >= 4
+    assert run(shape, 4, drawn=True, seed=3).centers.tobytes() == found[3]
+
+
+def test_points_are_drawn_by_area_and_by_squared_distance():
+    points = np.array([[0.0, 0, 0], [1, 0, 0], [3, 0, 0], [3, 0, 0]])
+    areas = np.array([4.0, 2.0, 1.0, 0.0])
+    rng = np.random.default_rng(1)
+    drawn = [drawn_points(points, areas, 2, rng)[:, 0].tolist() for _ in range(4000)]
+    first = np.bincount([int(x) for x, _ in drawn], minlength=4) / 4000
+    assert first == pytest.approx([4 / 7, 2 / 7, 0, 1 / 7], abs=0.03)
+    second = np.bincount([int(y) for x, y in drawn if x == 0], minlength=4)
+    assert second / second.sum() == pytest.approx([0, 2 / 11, 0, 9 / 11], abs=0.03)
+    # Fewer different places than points: they come again.
+    assert drawn_points(np.zeros((2, 3)), np.ones(2), 3, rng).shape == (3, 3)

@@ -11,41 +11,31 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from moseg_core.builtin.voronoi import Voronoi
-from moseg_core.components.cost import Cost
-from moseg_core.components.memo import Memo
 from moseg_core.components.objectives import FunctionObjective, Traits, objective
 from moseg_core.components.part import Part
 from moseg_core.components.protocols import Centers
-from moseg_core.components.segmentation import Segmentation
-from moseg_core.problem.aggregate import evaluate_segmentation
 from moseg_core.problem.problem import Problem
 from moseg_core.search.evaluator import ProblemEvaluator
 from moseg_core.search.exchange import best_order, exchanged_vector
 from moseg_core.shape.pins import read_pins
 from moseg_core.shape.shape import Shape
 from tests import shapes
-from tests.made_up import RANGES, STRIP, area, centers_at, evaluator_of, made, numbers, on_strip
+from tests.made_up import (
+    LETTERS,
+    RANGES,
+    STRIP,
+    area,
+    centers_at,
+    cost_of,
+    evaluator_of,
+    lower_by_exchange,
+    made,
+    numbers,
+    on_strip,
+)
 from tests.reflections import known
 
 BALL = Shape.from_mesh(*shapes.jitter(shapes.sphere(2), 1), name="ball")
-LETTERS = list("abcdefgh")
-
-
-def cost_of(problem, shape, labels):
-    """Every term, nothing remembered."""
-    parts = Segmentation.from_labels(shape, labels, len(problem.labels), memo=Memo(size=0))
-    return evaluate_segmentation(problem.terms, problem.labels, parts).cost
-
-
-def lower_by_exchange(problem, shape, labels):
-    """Costs of all exchanges of two labels that are clearly lower, one at a time."""
-    cost = cost_of(problem, shape, labels)
-    clearly = Cost(cost.empty, cost.value - 2e-9 * abs(cost.value))
-    found = []
-    for a, b in itertools.combinations(range(len(problem.labels)), 2):
-        swapped = np.where(labels == a, b, np.where(labels == b, a, labels))
-        found.append(cost_of(problem, shape, swapped))
-    return [other for other in found if other < clearly]
 
 
 def reordered(labels, order):
