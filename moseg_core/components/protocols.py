@@ -29,6 +29,8 @@ A class may say more of itself, in attributes that no protocol asks for:
     of an optimizer on a coarse shape. ``"polish"``: of an optimizer that can improve a good start
     in a short time; it then does so with what it has found on a coarse shape, whatever parameters
     the user gives for the search. Without these the default optimizer does.
+    ``"again"``: of a seeder, for the starts after the first, beside the parameters that the user
+    gives: one that draws no random numbers begins elsewhere with these.
 ``connected``
     Of a parameterization, once made: true where each of its parts is in one piece, on a shape in
     one piece whose adjacency is known.
