@@ -95,13 +95,14 @@ def best_order(
     --------
     >>> from moseg_core.builtin.voronoi import Voronoi
     >>> from moseg_core.components.objectives import objective
+    >>> from moseg_core.components.part import Part
     >>> from moseg_core.components.protocols import Centers
     >>> from moseg_core.problem.problem import Problem
     >>> from moseg_core.shape.shape import Shape
     >>> shape = Shape.from_mesh([[0, 0, 0], [4, 0, 0], [4, 1, 0], [0, 1, 0], [1, 1, 0], [1, 0, 0]],
     ...                         [[0, 5, 4, 3], [5, 1, 2, 4]])
     >>> @objective(range=(0, 9))
-    ... def size(part): return part.area
+    ... def size(part: Part) -> float: return part.area
     >>> problem = Problem(["small", "large"], "size(small)", objectives={"size": size})
     >>> evaluator = ProblemEvaluator(shape, problem, Voronoi(shape, 2))
     >>> vector = evaluator.parameterization.encode(
