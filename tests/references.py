@@ -195,8 +195,12 @@ def pattern_search(
     contraction: float = 0.5,
     threshold: float = 1e-6,
     max_evaluations: int | None = None,
+    combine: bool = False,
 ) -> tuple[list[float], tuple[int, float], list[tuple[int, tuple[int, float], float]]]:
-    """The search of Sec. 7: best point, its cost, and (evaluations, cost, step) per iteration."""
+    """The search of Sec. 7: best point, its cost, and (evaluations, cost, step) per iteration.
+
+    With ``combine`` sums of a poll's best moves are tried after it, one along each coordinate.
+    """
     x = list(start)
     best = objective(x)
     evaluations = 1
@@ -213,19 +217,38 @@ def pattern_search(
         if max_evaluations is not None:
             poll = poll[: max_evaluations - evaluations]
         evaluations += len(poll)
-        found, at = best, None
-        for y in poll:
-            cost = objective(y)
-            if cost < found:
-                found, at = cost, y
+        costs = [objective(y) for y in poll]
+        better = sorted((k for k in range(len(poll)) if costs[k] < best), key=lambda k: costs[k])
         polled = step
-        if at is None:
-            step *= contraction
-        else:
-            x, best = at, found
+        center = x
+        if better:
+            x, best = poll[better[0]], costs[better[0]]
             step *= expansion
+        else:
+            step *= contraction
         if poll:
             history.append((evaluations, best, polled))
+        if not combine:
+            continue
+        moved: list[int] = []
+        y, sums = list(center), {}
+        for k in better:
+            (along,) = [i for i in range(len(x)) if poll[k][i] != center[i]]
+            if along not in moved:
+                moved.append(along)
+                y[along] = poll[k][along]
+                sums[len(moved)] = list(y)
+        tried = [sums[n] for n in (2, 3, 4, 6, 8) if n in sums]
+        if len(moved) > 1 and sums[len(moved)] not in tried:
+            tried.append(sums[len(moved)])
+        if max_evaluations is not None:
+            tried = tried[: max_evaluations - evaluations]
+        if tried:
+            evaluations += len(tried)
+            cost, at = min((objective(y), k) for k, y in enumerate(tried))
+            if cost < best:
+                x, best = tried[at], cost
+            history.append((evaluations, best, step))
     return x, best, history
 
 

@@ -6,6 +6,12 @@ of them is better, the search moves there and ``Delta`` doubles; if none is, ``D
 below a threshold the search has converged. Torczon 1997, doi:10.1137/S1052623493250780; Audet
 and Dennis 2003, doi:10.1137/S1052623400378742.
 
+A poll takes 2m evaluations and moves along one coordinate, while centres that are far apart hardly
+feel each other. With ``combine`` a successful poll is followed by the sums of its best moves: two
+of them, three, four, six, and so on to all that were better. The best of these is taken where it
+is better than the best move alone. Candidates besides the poll are the *search step* of Audet and
+Dennis: the poll still decides when to narrow down, so that what is known of convergence holds.
+
 Neighbours outside the bounds, that is weights of 0 or less, are left out and not counted.
 """
 
@@ -25,7 +31,7 @@ from moseg_core.types import FloatArray
 
 
 class PatternSearch:
-    """Complete polls, best neighbour taken.
+    """Complete polls, best neighbour taken, or several moves at once.
 
     Parameters
     ----------
@@ -45,6 +51,8 @@ class PatternSearch:
         The search has converged when ``Delta`` is below it.
     max_evaluations : int or None
         Most candidates to evaluate; the last poll is cut short.
+    combine : bool
+        Whether sums of a poll's best moves are tried, one move along each coordinate.
 
     Examples
     --------
@@ -77,6 +85,7 @@ class PatternSearch:
         contraction: Annotated[float, Interval(0.01, 0.99)] = 0.5,
         threshold: Annotated[float, Interval(1e-12)] = 1e-6,
         max_evaluations: Annotated[int | None, Interval(1)] = None,
+        combine: bool = False,
     ) -> None:
         self._current = np.array(start, dtype=np.float64)
         self._lower, self._upper, self._scale = lower, upper, scale
@@ -86,6 +95,8 @@ class PatternSearch:
         self._expansion, self._contraction = expansion, contraction
         self._threshold = threshold
         self._budget = max_evaluations
+        self._combine = combine
+        self._sums: FloatArray | None = None  # of moves of the last poll, if they are to be tried
         self._evaluations = 0
         self._asked: FloatArray | None = None
         self._history: list[dict[str, float]] = []
@@ -116,18 +127,21 @@ class PatternSearch:
         return min(max(done, 0.0), 1.0)
 
     def ask(self) -> Batch:
-        """The start at first; then the feasible neighbours of the current point."""
+        """The start; then the feasible neighbours of the current point, or sums of its moves."""
         if not self._started:
             self._asked = self._current[None]
             return Batch(vectors=self._asked)
-        neighbors = self._neighbors()
+        polled = self._sums is None
+        candidates = self._neighbors() if self._sums is None else self._sums
         if self._budget is not None:
-            neighbors = neighbors[: self._budget - self._evaluations]
-        self._asked = neighbors
-        return Batch(vectors=neighbors, cutoff=self._cost, best_only=True)
+            candidates = candidates[: self._budget - self._evaluations]
+        self._asked = candidates
+        # Which moves are worth combining is known only where all that are better are evaluated.
+        only_best = not (self._combine and polled)
+        return Batch(vectors=candidates, cutoff=self._cost, best_only=only_best)
 
     def tell(self, costs: Sequence[Cost]) -> None:
-        """Move or narrow down."""
+        """Move, combine moves, or narrow down."""
         if self._asked is None:
             raise UsageError("pattern_search: tell() comes after ask()")
         asked, self._asked = self._asked, None
@@ -136,13 +150,19 @@ class PatternSearch:
         if not self._started:
             self._cost, self._started = _rank(costs[0]), True
         else:
-            best = min(range(len(costs)), key=lambda k: (_rank(costs[k]), k))
-            if _rank(costs[best]) < self._cost:
+            polled, self._sums = self._sums is None, None
+            ranks = [_rank(cost) for cost in costs]
+            better = sorted(
+                (k for k, rank in enumerate(ranks) if rank < self._cost),
+                key=lambda k: (ranks[k], k),
+            )
+            if polled and better and self._combine:
+                self._sums = self._sums_of(asked[better])
+            if better:
                 # NaN must not be kept: no cost compares as less than it.
-                self._current, self._cost = asked[best].copy(), _rank(costs[best])
-                self._step *= self._expansion
-            else:
-                self._step *= self._contraction
+                self._current, self._cost = asked[better[0]].copy(), ranks[better[0]]
+            if polled:
+                self._step *= self._expansion if better else self._contraction
         self._history.append(
             {
                 "evaluations": self._evaluations,
@@ -151,12 +171,14 @@ class PatternSearch:
                 "step": step,
             }
         )
-        # Where no neighbour is feasible there is nothing to evaluate, only to narrow down.
-        while self._step >= self._threshold and not len(self._neighbors()):
-            self._step *= self._contraction
-        if self._step < self._threshold:
-            self._finished = "converged"
-        elif self._budget is not None and self._evaluations >= self._budget:
+        if self._sums is None:
+            # Where no neighbour is feasible there is nothing to evaluate, only to narrow down.
+            while self._step >= self._threshold and not len(self._neighbors()):
+                self._step *= self._contraction
+            if self._step < self._threshold:
+                self._finished = "converged"
+                return
+        if self._budget is not None and self._evaluations >= self._budget:
             self._finished = "evaluations"
 
     def _neighbors(self) -> FloatArray:
@@ -165,6 +187,31 @@ class PatternSearch:
         both = self._current + np.stack([steps, -steps], axis=1).reshape(-1, len(steps))
         feasible = ((both >= self._lower) & (both <= self._upper)).all(axis=1)
         return both[feasible]
+
+    def _sums_of(self, better: FloatArray) -> FloatArray | None:
+        """(k, m) float: the current point moved by the best two moves, three, four, six, ...
+
+        Parameters
+        ----------
+        better : (b, m) float
+            Neighbours that are better than the current point, the best first. Of two along the
+            same coordinate the worse is left out.
+
+        Returns
+        -------
+        (k, m) float or None
+            None where all are along one coordinate.
+        """
+        along = (better != self._current).argmax(axis=1)
+        coordinates, first = np.unique(along, return_index=True)
+        order = np.argsort(first)
+        point, summed = self._current.copy(), []
+        for coordinate, k in zip(coordinates[order], first[order], strict=True):
+            point[coordinate] = better[k, coordinate]
+            summed.append(point.copy())
+        counts = {c for k in range(64) for c in (2 << k, 3 << k) if c < len(summed)}
+        counts |= {len(summed)} - {1}
+        return np.array([summed[count - 1] for count in sorted(counts)]) if counts else None
 
 
 def _rank(cost: Cost) -> Cost:

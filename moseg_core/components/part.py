@@ -16,6 +16,7 @@ super-elements. All that it says of itself is still about the user's shape and i
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -291,6 +292,33 @@ class Part:
         """
         tables = pair_of_one_labelling(self._tables, other._tables)
         return tables.between(self._index, other._index)
+
+    def boundary_lengths(self, others: Sequence[Part]) -> FloatArray:
+        """How long the boundary with each of several parts of the same segmentation is.
+
+        Of many pairs of parts most do not touch; this is faster than :meth:`boundary_with` of each.
+
+        Returns
+        -------
+        (n,) float, model units
+
+        Raises
+        ------
+        MosegError, ShapeError
+            As for :meth:`boundary_with`.
+
+        Examples
+        --------
+        >>> from moseg_core import Segmentation, Shape
+        >>> strip = Shape.from_mesh([[x, y, 0] for x in range(4) for y in (0, 3)],
+        ...                         [[2 * k, 2 * k + 2, 2 * k + 3, 2 * k + 1] for k in range(3)])
+        >>> first, *others = Segmentation.from_labels(strip, [0, 1, 2], 3).parts
+        >>> first.boundary_lengths(others).tolist()
+        [3.0, 0.0]
+        """
+        for other in others:
+            pair_of_one_labelling(self._tables, other._tables)
+        return self._tables.lengths_between(self._index, [other._index for other in others])
 
     def distance_to(self, other: Part) -> float:
         """The least distance between the middles of elements of two parts, model units.

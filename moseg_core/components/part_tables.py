@@ -149,6 +149,10 @@ class PartTables:
             ),
         )
 
+    def lengths_between(self, part: int, others: list[int]) -> FloatArray:
+        """(n,) float: the lengths of the boundaries of a part with several others."""
+        return self._lengths[1][part, others]
+
     @cached_property
     def boundaries(self) -> Boundaries:
         """The boundaries between all parts."""

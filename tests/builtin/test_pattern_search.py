@@ -87,7 +87,8 @@ FUNCTIONS = [bowl, stairs, valley, with_empty]
 
 @given(
     function=st.sampled_from(FUNCTIONS),
-    start=st.lists(st.floats(-1.5, 1.5), min_size=1, max_size=4),
+    start=st.lists(st.floats(-1.5, 1.5), min_size=1, max_size=7),
+    combine=st.booleans(),
     size=st.sampled_from([0.2, 0.5, 1.0, 1e-3]),
     expansion=st.sampled_from([1.0, 2.0, 3.0]),
     contraction=st.sampled_from([0.5, 0.3, 0.9]),
@@ -98,7 +99,7 @@ FUNCTIONS = [bowl, stairs, valley, with_empty]
 )
 @settings(max_examples=150, deadline=None)
 def test_every_step_is_that_of_the_literal_search(
-    function, start, size, expansion, contraction, threshold, budget, bounded, scaled
+    function, start, combine, size, expansion, contraction, threshold, budget, bounded, scaled
 ):
     m = len(start)
     lower, upper = [-math.inf] * m, [math.inf] * m
@@ -112,6 +113,7 @@ def test_every_step_is_that_of_the_literal_search(
         "contraction": contraction,
         "threshold": threshold,
         "max_evaluations": 600 if budget is None else budget,
+        "combine": combine,
     }
     search = make(start, lower, upper, scale, **parameters)
     batches = run(search, function)
@@ -150,6 +152,32 @@ def test_the_best_neighbour_is_taken_and_of_equal_ones_the_first():
     search.tell([Cost(0, 5.0), Cost(0, 3.0), Cost(0, 3.0), Cost(0, 4.0)])
     assert search.best[0].tolist() == [-0.2, 0.0]
     assert search.ask().vectors[0].tolist() == [0.2, 0.0]  # the step has doubled
+
+
+def test_moves_that_were_better_are_combined_one_along_each_coordinate():
+    search = make([0.0, 0.0, 0.0], combine=True)
+    search.ask()
+    search.tell([Cost(0, 9.0)])
+    assert not search.ask().best_only  # all that are better must be known
+    search.tell([Cost(0, v) for v in (8.0, 5.0, 7.0, 10.0, 6.0, 6.5)])
+    assert search.best[0].tolist() == [-0.2, 0.0, 0.0]
+    batch = search.ask()
+    assert batch.vectors.tolist() == [[-0.2, 0.0, 0.2], [-0.2, 0.2, 0.2]]
+    assert (batch.cutoff, batch.best_only) == (Cost(0, 5.0), True)
+    search.tell([Cost(0, 4.0), Cost(0, 4.5)])
+    assert search.best[0].tolist() == [-0.2, 0.0, 0.2]
+    assert search.ask().vectors[0].tolist() == [0.2, 0.0, 0.2]  # the step has doubled once
+
+
+def test_combined_moves_save_evaluations_where_coordinates_are_independent():
+    start = [1.0 + 0.1 * k for k in range(12)]
+    spent = {}
+    for combine in (False, True):
+        search = make(start, combine=combine, threshold=1e-3)
+        run(search, bowl)
+        assert search.best[1].value < 1e-3
+        spent[combine] = search.history[-1]["evaluations"]
+    assert spent[True] < spent[False] / 2
 
 
 def test_an_equal_neighbour_is_no_success():

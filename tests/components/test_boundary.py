@@ -26,6 +26,8 @@ def test_lengths():
     assert [part.boundary.length for part in (a, b, c)] == pytest.approx([2.0, 4.0, 2.0])
     assert a.boundary_with(b).length == b.boundary_with(a).length == pytest.approx(2.0)
     assert a.boundary_with(c).length == 0.0
+    assert a.boundary_lengths([c, b]).tolist() == [0.0, a.boundary_with(b).length]
+    assert a.boundary_lengths([]).tolist() == []
     found = slices().boundaries
     assert found.lengths == pytest.approx(np.array([[0.0, 2, 0], [2, 0, 2], [0, 2, 0]]))
     assert found.length == pytest.approx(4.0)

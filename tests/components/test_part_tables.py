@@ -78,5 +78,7 @@ def test_exchanged_labels_have_tables_of_their_own():
 def test_parts_of_two_segmentations_have_no_boundary_with_each_other():
     with pytest.raises(MosegError, match="parts of two segmentations"):
         cut_cube().parts[0].boundary_with(cut_cube().parts[1])
+    with pytest.raises(MosegError, match="two segmentations"):
+        cut_cube().parts[0].boundary_lengths([cut_cube().parts[1]])
     with pytest.raises(MosegError, match="parts of two segmentations"):
         cut_cube().parts[0].distance_to(cut_cube().parts[1])

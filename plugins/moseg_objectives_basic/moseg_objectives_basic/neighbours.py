@@ -7,8 +7,10 @@ their boundaries they share.
 
 from __future__ import annotations
 
-import itertools
+import math
 from collections.abc import Sequence
+
+import numpy as np
 
 from moseg_core import Part, objective
 
@@ -50,8 +52,8 @@ def touching(parts: Sequence[Part]) -> float:
     """
     first, *others = parts
     gaps = 0.0
-    for other in others:
-        if not first.boundary_with(other).length > 0:
+    for other, shared in zip(others, first.boundary_lengths(others), strict=True):
+        if not shared > 0:
             gaps += first.distance_to(other)
     return min(1.0, gaps / len(others) / first.shape.box_diagonal)
 
@@ -85,10 +87,10 @@ def apart(parts: Sequence[Part]) -> float:
     >>> [term.value for term in problem.evaluate(strip, [0, 1, 2, 2]).terms]
     [1.0, 0.0]
     """
-    shares, pairs = 0.0, 0
-    for first, second in itertools.combinations(parts, 2):
-        pairs += 1
-        shared = first.boundary_with(second).length
-        if shared > 0:
-            shares += shared / min(first.boundary.length, second.boundary.length)
-    return min(1.0, shares / pairs)
+    shares = 0.0
+    for k, first in enumerate(parts[:-1], start=1):
+        lengths = first.boundary_lengths(parts[k:])
+        for j in np.flatnonzero(lengths).tolist():
+            least = min(first.boundary.length, parts[k + j].boundary.length)
+            shares += float(lengths[j]) / least
+    return min(1.0, shares / math.comb(len(parts), 2))
