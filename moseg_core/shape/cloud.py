@@ -16,6 +16,7 @@ small where two sheets are nearer to each other than that.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -66,6 +67,7 @@ class PointCloud(Geometry):
         *,
         areas: npt.ArrayLike | None = None,
         normals: npt.ArrayLike | None = None,
+        notes: Iterable[str] = (),
     ) -> PointCloud:
         """Check points and what is known of them; estimate areas that are not given.
 
@@ -74,6 +76,8 @@ class PointCloud(Geometry):
         points : (F, 3) array_like of float, model units
         areas : (F,) array_like of float, model units squared, optional
         normals : (F, 3) array_like of float, optional
+        notes : iterable of str
+            What was passed over or repaired on the way.
 
         Raises
         ------
@@ -103,6 +107,7 @@ class PointCloud(Geometry):
             triangle_polygon=np.empty(0, np.int64),
             areas=weights,
             normals=None if normals is None else _rows("normals", normals, len(places)),
+            notes=tuple(notes),
         )
 
 

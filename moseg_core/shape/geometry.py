@@ -42,6 +42,8 @@ class Geometry:
         corners are corners of the element.
     triangle_polygon : (T,) int
         The element that each triangle is a piece of; ascending.
+    notes : tuple of str
+        What a reader passed over or repaired to get here; a shape says it with its own notes.
     """
 
     noun: ClassVar[str] = "element"
@@ -54,6 +56,7 @@ class Geometry:
     offsets: IntArray
     triangles: IntArray
     triangle_polygon: IntArray
+    notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         for array in (self.vertices, self.corners, self.offsets, self.triangles):

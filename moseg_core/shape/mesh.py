@@ -49,7 +49,11 @@ class PolygonMesh(Geometry):
 
     @classmethod
     def from_faces(
-        cls, vertices: npt.ArrayLike, faces: npt.ArrayLike | Iterable[Sequence[int]]
+        cls,
+        vertices: npt.ArrayLike,
+        faces: npt.ArrayLike | Iterable[Sequence[int]],
+        *,
+        notes: Iterable[str] = (),
     ) -> PolygonMesh:
         """Check vertices and faces, and triangulate what has more than three corners.
 
@@ -58,6 +62,8 @@ class PolygonMesh(Geometry):
         vertices : (V, 3) array_like of float
         faces : (F, k) array_like of int, or an iterable of sequences of vertex indices
             Zero-based; polygons of three or more corners, in any mix.
+        notes : iterable of str
+            What was passed over or repaired on the way.
 
         Raises
         ------
@@ -102,6 +108,7 @@ class PolygonMesh(Geometry):
             offsets=offsets,
             triangles=triangles,
             triangle_polygon=triangle_polygon,
+            notes=tuple(notes),
         )
 
     @property

@@ -64,6 +64,7 @@ class Shape(ShapeData):
         faces: npt.ArrayLike | Iterable[Sequence[int]] | None = None,
         *,
         name: str = "shape",
+        notes: Iterable[str] = (),
     ) -> Shape:
         """From vertices and polygons, or from anything with ``vertices`` and ``faces``.
 
@@ -74,6 +75,9 @@ class Shape(ShapeData):
             One element, and so one label, per face, in this order.
         name : str
             What to call the shape in messages.
+        notes : iterable of str
+            What was passed over or repaired on the way, a sentence each; said once with what is
+            noticed here.
 
         Returns
         -------
@@ -94,7 +98,7 @@ class Shape(ShapeData):
             if not (hasattr(vertices, "vertices") and hasattr(vertices, "faces")):
                 raise ShapeError("from_mesh takes vertices and faces, or a trimesh object")
             vertices, faces = np.asarray(vertices.vertices), np.asarray(vertices.faces)
-        mesh = PolygonMesh.from_faces(vertices, faces)
+        mesh = PolygonMesh.from_faces(vertices, faces, notes=notes)
         return cls.from_polygon_mesh(mesh, name=name)
 
     @classmethod
@@ -115,6 +119,7 @@ class Shape(ShapeData):
         normals: npt.ArrayLike | None = None,
         adjacency: Literal["knn"] | None = None,
         name: str = "shape",
+        notes: Iterable[str] = (),
     ) -> Shape:
         """From the points of a cloud; one element, and so one label, per point.
 
@@ -130,6 +135,8 @@ class Shape(ShapeData):
         adjacency : "knn", optional
             See :meth:`with_adjacency`. By default it is not known which points touch.
         name : str
+        notes : iterable of str
+            As for :meth:`from_mesh`.
 
         Raises
         ------
@@ -142,7 +149,7 @@ class Shape(ShapeData):
         >>> shape.n_elements, shape.adjacency, shape.volume
         (4, None, None)
         """
-        cloud = PointCloud.from_points(points, areas=areas, normals=normals)
+        cloud = PointCloud.from_points(points, areas=areas, normals=normals, notes=notes)
         made = cls._made(cloud, None, Volume.none("it is a point cloud"), [], name)
         return made if adjacency is None else made.with_adjacency(adjacency)
 
@@ -155,6 +162,7 @@ class Shape(ShapeData):
         origin: npt.ArrayLike = (0.0, 0.0, 0.0),
         elements: Elements = "solid",
         name: str = "shape",
+        notes: Iterable[str] = (),
     ) -> Shape:
         """From the occupied cells of a grid; one element, and so one label, per cell.
 
@@ -169,6 +177,8 @@ class Shape(ShapeData):
             Whether all occupied cells are elements, in C order, or only those with an exposed
             face; see :mod:`moseg_core.shape.voxels`.
         name : str
+        notes : iterable of str
+            As for :meth:`from_mesh`.
 
         Raises
         ------
@@ -184,6 +194,7 @@ class Shape(ShapeData):
         (27, 216.0, True)
         """
         grid = VoxelGrid.from_occupied(occupied, pitch=pitch, origin=origin, elements=elements)
+        grid = replace(grid, notes=tuple(notes))
         return cls._made(grid, grid_adjacency(grid), Volume.exact(grid.volume), [], name)
 
     @classmethod
@@ -196,6 +207,7 @@ class Shape(ShapeData):
         name: str,
     ) -> Shape:
         """From a geometry and what is known of it; measures the elements."""
+        notes = [*geometry.notes, *notes]
         used = geometry.vertices[geometry.corners]
         low, high = used.min(axis=0), used.max(axis=0)
         scale = float(np.linalg.norm(high - low))
@@ -341,7 +353,12 @@ class Shape(ShapeData):
                 f" '{elements}'"
             )
         return Shape.from_voxels(
-            grid.occupied, pitch=grid.pitch, origin=grid.origin, elements=elements, name=self.name
+            grid.occupied,
+            pitch=grid.pitch,
+            origin=grid.origin,
+            elements=elements,
+            name=self.name,
+            notes=grid.notes,
         )
 
     def deformed(self, vertices: FloatArray, *, space: str) -> Shape:

@@ -152,3 +152,13 @@ def test_a_shape_is_made_once_and_for_all():
         Frame(np.zeros(3), 1.0).scale = 2.0
     mesh = PolygonMesh.from_faces(*shapes.cube())
     assert Shape.from_polygon_mesh(mesh).geometry is mesh
+
+
+def test_what_a_reader_says_comes_first_and_stays():
+    said = ("one line was passed over",)
+    mesh = Shape.from_mesh(*shapes.cube(), notes=said)
+    assert mesh.notes == said
+    assert mesh.with_volume("hull").notes[0] == said[0]
+    assert Shape.from_points(np.eye(3), notes=iter(said)).notes[0] == said[0]
+    grid = Shape.from_voxels(np.ones((2, 2, 2), bool), notes=said)
+    assert grid.notes == grid.with_elements("surface").notes == said

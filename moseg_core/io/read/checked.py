@@ -5,11 +5,14 @@ they find numbers in bytes and agree in the rest: they read the whole file at on
 arrays of corners with the polygons *in the order of the file*, since a label belongs to the
 polygon at its place in the file, and refuse what they cannot read whole. What they agree in
 stands here: :func:`read_file` at the one end, :func:`shape_from_polygons` at the other, and
-:func:`file_error` for everything that goes wrong between them.
+:func:`file_error` for everything that goes wrong between them. What a reader passes over or
+repairs it returns in words with what it read, one note for each kind of thing however often it
+came, and hands on as the `notes` of the shape.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from itertools import pairwise
 from pathlib import Path
 
@@ -92,7 +95,12 @@ def refuse_far(path: Path, points: FloatArray, what: str) -> None:
 
 
 def shape_from_polygons(
-    path: Path, vertices: FloatArray, corners: IntArray, offsets: IntArray
+    path: Path,
+    vertices: FloatArray,
+    corners: IntArray,
+    offsets: IntArray,
+    *,
+    notes: Iterable[str] = (),
 ) -> Shape:
     """The shape that a file describes, named after the file.
 
@@ -104,6 +112,8 @@ def shape_from_polygons(
         Vertex indices from 0, one polygon after the other.
     offsets : (F + 1,) int
         Polygon ``f`` has the corners ``corners[offsets[f]:offsets[f + 1]]``.
+    notes : iterable of str
+        What the reader passed over or repaired; the shape's first notes.
 
     Raises
     ------
@@ -126,11 +136,11 @@ def shape_from_polygons(
     sizes = np.diff(offsets)
     try:
         if (sizes == sizes[0]).all() and sizes[0] > 0:
-            mesh = PolygonMesh.from_faces(vertices, corners.reshape(-1, int(sizes[0])))
+            mesh = PolygonMesh.from_faces(vertices, corners.reshape(-1, int(sizes[0])), notes=notes)
         else:
             flat, bounds = corners.tolist(), offsets.tolist()
             faces = [flat[a:b] for a, b in pairwise(bounds)]
-            mesh = PolygonMesh.from_faces(vertices, faces)
+            mesh = PolygonMesh.from_faces(vertices, faces, notes=notes)
         return Shape.from_polygon_mesh(mesh, name=path.stem)
     except ShapeError as error:
         raise ShapeError(f"{path.name}: {error}") from error

@@ -9,6 +9,7 @@ and among others; without such a line the columns are those of an ``.xyz`` file.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -28,6 +29,7 @@ def shape_from_points(
     *,
     normals: FloatArray | None = None,
     areas: FloatArray | None = None,
+    notes: Iterable[str] = (),
 ) -> Shape:
     """The point cloud that a file describes, named after the file.
 
@@ -37,6 +39,8 @@ def shape_from_points(
     points : (F, 3) float, model units
     normals : (F, 3) float, optional
     areas : (F,) float, model units squared, optional
+    notes : iterable of str
+        What the reader passed over or repaired; the shape's first notes.
 
     Raises
     ------
@@ -50,7 +54,7 @@ def shape_from_points(
     """
     refuse_far(path, points, "point")
     try:
-        return Shape.from_points(points, normals=normals, areas=areas, name=path.stem)
+        return Shape.from_points(points, normals=normals, areas=areas, name=path.stem, notes=notes)
     except ShapeError as error:
         raise ShapeError(f"{path.name}: {error}") from error
 
