@@ -88,12 +88,16 @@ class ShapeFlags:
         Which elements touch: what the shape knows of it, the nearest as well, or none.
     volume
         Estimate the enclosed volume: a number, "hull" or "winding".
+    weld
+        How far vertices of a mesh may lie apart and still be joined, as a share of the bounding
+        box's diagonal: 1e-8 by default; 0 joins equal ones only.
     voxels
         Whether all cells of a voxel grid are elements, or only those of its surface.
     """
 
     adjacency: Literal["auto", "knn", "none"] = "auto"
     volume: str | None = None
+    weld: float | None = None
     voxels: Literal["solid", "surface"] = "solid"
 
 

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from moseg_core.cli.flags import ShapeFlags
 from moseg_core.io import load
+from moseg_core.shape.mesh import PolygonMesh
 from moseg_core.shape.shape import Shape
 
 
@@ -16,7 +17,8 @@ def read_shape(path: Path, flags: ShapeFlags) -> Shape:
     ----------
     path : Path
     flags : ShapeFlags
-        Which cells of a voxel grid are elements says nothing to other shapes.
+        Which cells of a voxel grid are elements says nothing to other shapes, nor does how near
+        vertices are joined to what is no mesh.
 
     Raises
     ------
@@ -24,6 +26,8 @@ def read_shape(path: Path, flags: ShapeFlags) -> Shape:
         The file cannot be read, or its volume not be estimated.
     """
     shape = load(path)
+    if flags.weld is not None and isinstance(shape.geometry, PolygonMesh):
+        shape = shape.with_weld(flags.weld)
     if flags.voxels == "surface" and shape.solid:
         shape = shape.with_elements("surface")
     shape = shape.with_adjacency(flags.adjacency)

@@ -199,5 +199,9 @@ def near_pairs(points: FloatArray, nearest: int = NEAREST) -> IntArray:
 
 def undirected(ends: IntArray) -> tuple[IntArray, IntArray]:
     """Distinct undirected edges, and for each directed edge the number of its undirected one."""
-    edge, group = np.unique(np.sort(ends, axis=1), axis=0, return_inverse=True)
-    return edge, group.reshape(-1)
+    if not len(ends):
+        return ends, np.empty(0, np.int64)
+    low, high = np.minimum(*ends.T), np.maximum(*ends.T)
+    count = int(high.max()) + 1
+    code, group = np.unique(low * count + high, return_inverse=True)  # sorts rows much faster
+    return np.stack(np.divmod(code, count), axis=1), group.reshape(-1)

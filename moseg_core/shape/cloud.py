@@ -12,6 +12,10 @@ one. Only ratios of areas matter to objectives. A single point's estimate has a 
 of 0.4, of which little is left in the sum over a part. The estimate is wrong where the surface is
 not a plane over the distance of K points: too large within that distance of an open edge, too
 small where two sheets are nearer to each other than that.
+
+**Points that are not finite.** Scanners write a point without a place where nothing came back. Such
+a point stays an element, so that labels keep their rows. It stands in the place of the last point
+before it that has one (of the first, where none is before) and carries no weight.
 """
 
 from __future__ import annotations
@@ -26,7 +30,7 @@ from scipy.spatial import cKDTree
 
 from moseg_core.errors import ShapeError
 from moseg_core.shape.geometry import Geometry
-from moseg_core.types import FloatArray, frozen
+from moseg_core.types import BoolArray, FloatArray, IntArray, frozen
 
 _NEAREST = 8
 
@@ -46,6 +50,9 @@ class PointCloud(Geometry):
         How much surface each point stands for.
     normals : (F, 3) float or None
         Directions away from the surface, of any length; None where they are not known.
+    stand_in : (F,) int or None
+        For each point that is not finite the one in whose place it stands, for others themselves;
+        None where all are finite.
     """
 
     noun: ClassVar[str] = "point"
@@ -53,6 +60,7 @@ class PointCloud(Geometry):
 
     areas: FloatArray
     normals: FloatArray | None = None
+    stand_in: IntArray | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -82,21 +90,34 @@ class PointCloud(Geometry):
         Raises
         ------
         ShapeError
-            Arrays of other shapes, numbers that are not finite, negative areas, or none at all.
+            Arrays of other shapes, no point that is finite, negative areas, or none at all.
 
         Examples
         --------
-        >>> corner = PointCloud.from_points([[0, 0, 0], [1, 0, 0], [0, 1, 0]])
-        >>> corner.n_elements, len(corner.triangles)
-        (3, 0)
+        >>> corner = PointCloud.from_points([[0, 0, 0], [np.nan, 0, 0], [1, 0, 0], [0, 1, 0]])
+        >>> corner.n_elements, len(corner.triangles), corner.areas[1]
+        (4, 0, 0.0)
         """
         places = _rows("points", points)
+        finite = np.asarray(np.isfinite(places).all(axis=1))
+        if not finite.any():
+            raise ShapeError("no point is finite: there is no surface to segment")
+        stand_in = None
+        notes = list(notes)
+        if not finite.all():
+            stand_in = _stand_ins(finite)
+            places = places[stand_in]
+            notes.append(
+                f"points that are not finite: {int((~finite).sum())}; they keep their rows and"
+                f" carry no weight"
+            )
         if areas is None:
-            weights = estimated_areas(places)
+            weights = np.zeros(len(places))
+            weights[finite] = estimated_areas(places[finite])
             if not weights.any():
                 raise ShapeError("all points are in one place: there is no surface to segment")
         else:
-            weights = _rows("areas", areas, len(places))
+            weights = np.where(finite, _finite("areas", areas, len(places), notes), 0.0)
             if (weights < 0).any() or not weights.any():
                 raise ShapeError("areas of points must not be negative, and not all of them 0")
         return cls(
@@ -106,9 +127,15 @@ class PointCloud(Geometry):
             triangles=np.empty((0, 3), np.int64),
             triangle_polygon=np.empty(0, np.int64),
             areas=weights,
-            normals=None if normals is None else _rows("normals", normals, len(places)),
+            normals=None if normals is None else _finite("normals", normals, len(places), notes),
+            stand_in=stand_in,
             notes=tuple(notes),
         )
+
+    @property
+    def n_unplaced(self) -> int:
+        """How many points are not finite."""
+        return 0 if self.stand_in is None else int((self.stand_in != self.corners).sum())
 
 
 def estimated_areas(points: FloatArray, nearest: int = _NEAREST) -> FloatArray:
@@ -142,8 +169,24 @@ def estimated_areas(points: FloatArray, nearest: int = _NEAREST) -> FloatArray:
     return areas
 
 
+def _stand_ins(finite: BoolArray) -> IntArray:
+    """(F,) int: the last finite point up to each, or the first where there is none."""
+    last = np.maximum.accumulate(np.where(finite, np.arange(len(finite)), -1))
+    return np.where(last < 0, np.argmax(finite), last)
+
+
+def _finite(what: str, given: npt.ArrayLike, count: int, notes: list[str]) -> FloatArray:
+    """The array, with 0 in rows that are not finite; says so in the notes."""
+    array = _rows(what, given, count)
+    wrong = ~np.isfinite(array.reshape(count, -1)).all(axis=1)
+    if wrong.any():
+        array[wrong] = 0.0
+        notes.append(f"{what} that are not finite: {int(wrong.sum())}; they are taken to be 0")
+    return array
+
+
 def _rows(what: str, given: npt.ArrayLike, count: int | None = None) -> FloatArray:
-    """The array as floats: (F, 3), or (F,) for areas; finite."""
+    """The array as floats: (F, 3), or (F,) for areas."""
     tail = () if what == "areas" else (3,)
     try:
         array = np.array(given, dtype=np.float64)
@@ -155,11 +198,4 @@ def _rows(what: str, given: npt.ArrayLike, count: int | None = None) -> FloatArr
     if array.ndim == 0 or array.shape[1:] != tail or count not in (None, len(array)):
         expected = f"({wanted}, 3)" if tail else f"({wanted},)"
         raise ShapeError(f"{what} must have the shape {expected}, not {array.shape}")
-    finite = np.isfinite(array.reshape(len(array), -1)).all(axis=1)
-    if not finite.all():
-        point = int(np.argmin(finite))
-        raise ShapeError(
-            f"{what} of point {point} are not finite: {array[point].tolist()}"
-            f" ({int((~finite).sum())} such in all); repair the file first"
-        )
     return array

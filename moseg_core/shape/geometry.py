@@ -21,9 +21,11 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
 
-import numpy as np
-
+from moseg_core.shape.positions import Positions, find_positions
 from moseg_core.types import FloatArray, IntArray, frozen
+
+FARTHEST = 1e50
+"""Coordinates up to which can be measured: fourth powers of them and a little more are floats."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -80,7 +82,10 @@ class Geometry:
 
     @cached_property
     def merged(self) -> IntArray:
-        """(V,) int: for each vertex the number of its position; equal positions, equal numbers."""
-        # Adding 0.0 turns -0.0 into 0.0, which compare equal but differ in their bytes.
-        _, number = np.unique(self.vertices + 0.0, axis=0, return_inverse=True)
-        return number.reshape(-1).astype(np.int64)
+        """(V,) int: for each vertex the number of its position (:class:`Positions`)."""
+        return self.positions.number
+
+    @cached_property
+    def positions(self) -> Positions:
+        """Which vertices are at one position."""
+        return find_positions(self.vertices)

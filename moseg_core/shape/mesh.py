@@ -6,23 +6,29 @@ polygon it came from. Areas, moments, hulls and pictures are computed on the tri
 adjacency and outputs are about the polygons.
 
 Corners are joined by *position*, not by index: an STL file repeats every vertex, and an OBJ or
-GLB file repeats those on a texture seam, yet the surface is one.
+GLB file repeats those on a texture seam, yet the surface is one. Vertices nearer than a share of
+the diagonal are at one position (:mod:`moseg_core.shape.positions`); none is moved.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
 import numpy.typing as npt
 
-from moseg_core.errors import ShapeError
-from moseg_core.shape.geometry import Geometry
+from moseg_core.errors import ShapeError, UsageError
+from moseg_core.shape.geometry import FARTHEST, Geometry
+from moseg_core.shape.positions import WELD, Positions, find_positions
 from moseg_core.shape.triangulate import triangulate_polygons
 from moseg_core.types import FloatArray, IntArray
+
+MOST_WELD = 0.1
+"""The largest share of the diagonal to join within; with more, parts would be one position."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -42,10 +48,14 @@ class PolygonMesh(Geometry):
         Vertex indices; the triangles of one polygon follow each other, polygons in order.
     triangle_polygon : (T,) int
         The polygon that each triangle is a piece of; ascending.
+    tolerance : float, model units
+        How far vertices may lie apart and still be at one position.
     """
 
     noun: ClassVar[str] = "face"
     kind: ClassVar[str] = "polygon mesh"
+
+    tolerance: float = 0.0
 
     @classmethod
     def from_faces(
@@ -53,6 +63,7 @@ class PolygonMesh(Geometry):
         vertices: npt.ArrayLike,
         faces: npt.ArrayLike | Iterable[Sequence[int]],
         *,
+        weld: float = WELD,
         notes: Iterable[str] = (),
     ) -> PolygonMesh:
         """Check vertices and faces, and triangulate what has more than three corners.
@@ -62,14 +73,20 @@ class PolygonMesh(Geometry):
         vertices : (V, 3) array_like of float
         faces : (F, k) array_like of int, or an iterable of sequences of vertex indices
             Zero-based; polygons of three or more corners, in any mix.
+        weld : float
+            How far vertices may lie apart and still be at one position, as a share of the
+            diagonal of the bounding box; 0 joins only those that are equal.
         notes : iterable of str
             What was passed over or repaired on the way.
 
         Raises
         ------
         ShapeError
-            No vertices or faces, wrong array shapes, a coordinate that is not finite, a face
-            with fewer than three corners or one that names a vertex that does not exist.
+            No vertices or faces, wrong array shapes, a face with fewer than three corners, one
+            that names a vertex that does not exist or one whose coordinates are not finite.
+            Vertices that no face uses are not looked at.
+        UsageError
+            A tolerance that is no share from 0 to 0.1.
 
         Examples
         --------
@@ -94,22 +111,37 @@ class PolygonMesh(Geometry):
                 f"face {face} names vertex {corners[corner]}, but there are {len(points)} vertices"
                 f" (numbered from 0)"
             )
-        finite = np.isfinite(points).all(axis=1)
-        if not finite.all():
-            vertex = int(np.argmin(finite))
-            raise ShapeError(
-                f"vertex {vertex} is not finite: {points[vertex].tolist()}"
-                f" ({int((~finite).sum())} such in all); repair the file first"
-            )
+        points, found = _looked_at(points, corners)
         triangles, triangle_polygon = triangulate_polygons(points, corners, offsets)
-        return cls(
+        mesh = cls(
             vertices=points,
             corners=corners,
             offsets=offsets,
             triangles=triangles,
             triangle_polygon=triangle_polygon,
-            notes=tuple(notes),
+            notes=(*notes, *found),
         )
+        return mesh.welded(weld)
+
+    def welded(self, weld: float) -> PolygonMesh:
+        """The same polygons, joined within another share of the diagonal; see :meth:`from_faces`.
+
+        Raises
+        ------
+        UsageError
+            No share from 0 to 0.1.
+        """
+        return replace(self, tolerance=checked_weld(weld) * self.diagonal)
+
+    @property
+    def diagonal(self) -> float:
+        """Of the bounding box of all corners, model units."""
+        return math.hypot(*np.ptp(self.vertices[self.corners], axis=0))
+
+    @cached_property
+    def positions(self) -> Positions:
+        """Which vertices are at one position."""
+        return find_positions(self.vertices, self.tolerance)
 
     @property
     def n_polygons(self) -> int:
@@ -139,6 +171,45 @@ class PolygonMesh(Geometry):
         ends = np.stack([position, position[following]], axis=1)
         real = ends[:, 0] != ends[:, 1]
         return ends[real], polygon[real]
+
+
+def checked_weld(weld: float) -> float:
+    """A share of the diagonal within which vertices are joined.
+
+    Raises
+    ------
+    UsageError
+        It is no number from 0 to 0.1.
+    """
+    if not 0.0 <= weld <= MOST_WELD:
+        raise UsageError(
+            f"vertices are joined within a share of the diagonal from 0 to {MOST_WELD},"
+            f" such as {WELD:g}, not {weld!r}"
+        )
+    return weld
+
+
+def _looked_at(points: FloatArray, corners: IntArray) -> tuple[FloatArray, list[str]]:
+    """The vertices, those aside that no face uses and nobody could measure; and what to say."""
+    if max(points.max(), -points.min()) <= FARTHEST:
+        return points, []
+    measurable = (np.abs(points) <= FARTHEST).all(axis=1)  # not so what is no number
+    used = np.zeros(len(points), np.bool_)
+    used[corners] = True
+    wrong = used & ~np.isfinite(points).all(axis=1)
+    if wrong.any():
+        vertex = int(np.argmax(wrong))
+        raise ShapeError(
+            f"vertex {vertex} is not finite: {points[vertex].tolist()}"
+            f" ({int(wrong.sum())} such in all); repair the file first"
+        )
+    idle = ~measurable & ~used
+    if not idle.any():
+        return points, []
+    points[idle] = points[corners[0]]
+    return points, [
+        f"vertices without a place, used by no face: {int(idle.sum())}; they are not looked at"
+    ]
 
 
 def _vertex_array(vertices: npt.ArrayLike) -> FloatArray:

@@ -84,11 +84,18 @@ def _of_polygons(mesh: Geometry, origin: FloatArray) -> Moments:
     edge1, edge2 = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     area = np.linalg.norm(np.cross(edge1, edge2), axis=1) / 2.0
     total = corners.sum(axis=1)
-    second = (corners[:, :, _I] * corners[:, :, _J]).sum(axis=1) + total[:, _I] * total[:, _J]
-    second *= area[:, None] / 12.0
+    second = np.empty((len(area), 6))
+    for k, (i, j) in enumerate(zip(_I, _J, strict=True)):
+        # Column by column: to gather all products of all corners takes longer than to sum them.
+        a, b, c = (corners[:, corner, i] * corners[:, corner, j] for corner in range(3))
+        second[:, k] = (a + b + c + total[:, i] * total[:, j]) * (area / 12.0)
     first = total * area[:, None] / 3.0
     middle = total / 3.0
 
+    if mesh.is_triangular:
+        with np.errstate(invalid="ignore", divide="ignore"):
+            points = np.where(area[:, None] > 0, first / area[:, None], middle)
+        return Moments(points + origin, area, first, second)
     starts = np.searchsorted(mesh.triangle_polygon, np.arange(mesh.n_elements))
     areas = np.add.reduceat(area, starts)
     first = np.add.reduceat(first, starts, axis=0)

@@ -38,14 +38,15 @@ from moseg_core.shape.adjacency import (
 from moseg_core.shape.cloud import PointCloud
 from moseg_core.shape.data import AdjacencySource, Frame, ShapeData
 from moseg_core.shape.geometry import Geometry
-from moseg_core.shape.mesh import PolygonMesh
+from moseg_core.shape.mesh import MOST_WELD, PolygonMesh
 from moseg_core.shape.moments import element_moments
+from moseg_core.shape.positions import WELD
 from moseg_core.shape.volume.derived import deformed_volume
 from moseg_core.shape.volume.enclosed import enclosed_volume
 from moseg_core.shape.volume.estimated import estimated_volume
 from moseg_core.shape.volume.volume import Volume
 from moseg_core.shape.voxels import Elements, VoxelGrid
-from moseg_core.types import FloatArray
+from moseg_core.types import FloatArray, IntArray
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
@@ -63,6 +64,7 @@ class Shape(ShapeData):
         vertices: Any,
         faces: npt.ArrayLike | Iterable[Sequence[int]] | None = None,
         *,
+        weld: float = WELD,
         name: str = "shape",
         notes: Iterable[str] = (),
     ) -> Shape:
@@ -73,6 +75,9 @@ class Shape(ShapeData):
         vertices : (V, 3) array_like of float, model units; or a trimesh object
         faces : (F, k) array_like of int, or an iterable of sequences, optional
             One element, and so one label, per face, in this order.
+        weld : float
+            How far vertices may lie apart and still be joined, as a share of the diagonal of the
+            bounding box; 0 joins only those that are equal. None is moved.
         name : str
             What to call the shape in messages.
         notes : iterable of str
@@ -87,6 +92,9 @@ class Shape(ShapeData):
         ------
         ShapeError
             Empty or malformed arrays, coordinates that are not finite, no face with an area.
+            Vertices that no face uses are not looked at.
+        UsageError
+            A tolerance that is no share from 0 to 0.1.
 
         Examples
         --------
@@ -98,7 +106,7 @@ class Shape(ShapeData):
             if not (hasattr(vertices, "vertices") and hasattr(vertices, "faces")):
                 raise ShapeError("from_mesh takes vertices and faces, or a trimesh object")
             vertices, faces = np.asarray(vertices.vertices), np.asarray(vertices.faces)
-        mesh = PolygonMesh.from_faces(vertices, faces, notes=notes)
+        mesh = PolygonMesh.from_faces(vertices, faces, weld=weld, notes=notes)
         return cls.from_polygon_mesh(mesh, name=name)
 
     @classmethod
@@ -106,8 +114,17 @@ class Shape(ShapeData):
         """From a mesh that was checked already; see :meth:`from_mesh`."""
         adjacency = mesh_adjacency(mesh)
         volume = enclosed_volume(mesh, adjacency)
-        duplicates = len(mesh.vertices) - int(mesh.merged.max()) - 1
-        notes = [f"{duplicates} duplicate vertices, joined by position"] if duplicates else []
+        used, taken = np.zeros((2, len(mesh.vertices)), np.bool_)
+        used[mesh.corners] = True
+        taken[mesh.merged[used]] = True
+        near = mesh.positions.n_near
+        duplicates = int(used.sum() - taken.sum()) - near
+        notes = [f"{duplicates} duplicate vertices, joined by position"] if duplicates > 0 else []
+        if near:
+            notes.append(
+                f"{near} vertices less than {mesh.tolerance:.2g} from another, joined with it"
+                f" (--weld 0 joins equal ones only)"
+            )
         return cls._made(mesh, adjacency, volume, notes, name)
 
     @classmethod
@@ -141,7 +158,8 @@ class Shape(ShapeData):
         Raises
         ------
         ShapeError
-            Malformed arrays, numbers that are not finite, points in one place only.
+            Malformed arrays, points in one place only. A point that is not finite is an element
+            without weight.
 
         Examples
         --------
@@ -221,6 +239,8 @@ class Shape(ShapeData):
                 f" segment"
             )
         flat = int(degenerate.sum())
+        if isinstance(geometry, PointCloud):
+            flat -= geometry.n_unplaced  # of which the cloud has said so
         if flat:
             notes = [
                 *notes,
@@ -276,7 +296,7 @@ class Shape(ShapeData):
         adjacency = None if source == "none" else self._own_adjacency()
         found = []
         if source == "knn":
-            pairs = near_pairs(self.points, nearest)
+            pairs = self._near_pairs(nearest)
             if adjacency is not None:
                 pairs = np.concatenate([adjacency.pairs, pairs])
             adjacency = Adjacency.from_pairs(pairs, self.n_elements)
@@ -289,6 +309,16 @@ class Shape(ShapeData):
             if not (note.startswith(_COMPONENTS) or note.endswith(_MUTUAL))
         ]
         return replace(self, adjacency=adjacency, adjacency_source=source, notes=(*kept, *found))
+
+    def _near_pairs(self, nearest: int) -> IntArray:
+        """Mutually nearest elements; a point that is not finite is next to the one it stands by."""
+        geometry = self.geometry
+        if not isinstance(geometry, PointCloud) or geometry.stand_in is None:
+            return near_pairs(self.points, nearest)
+        placed = geometry.stand_in == geometry.corners
+        real = np.flatnonzero(placed)
+        aside = np.stack([np.flatnonzero(~placed), geometry.stand_in[~placed]], axis=1)
+        return np.concatenate([real[near_pairs(self.points[real], nearest)], aside])
 
     def _own_adjacency(self) -> Adjacency | None:
         """What the geometry, as the user gave it, says of neighbours."""
@@ -331,6 +361,35 @@ class Shape(ShapeData):
         kept = [note for note in self.notes if not note.startswith((_NO_VOLUME, _ESTIMATE))]
         note = f"{_ESTIMATE} {estimate.value:.6g}, {words}"
         return replace(self, enclosed=estimate, notes=(*kept, note))
+
+    def with_weld(self, weld: float) -> Shape:
+        """The same mesh, its vertices joined within another distance.
+
+        Parameters
+        ----------
+        weld : float
+            As for :meth:`from_mesh`. Neighbours and the volume are found anew; what was asked for
+            before does not count.
+
+        Raises
+        ------
+        ShapeError
+            The shape is no mesh.
+        UsageError
+            A tolerance that is no share from 0 to 0.1.
+
+        Examples
+        --------
+        >>> crack = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1e-6, 0], [0, 1, 0], [1, 1, 0]]
+        >>> tile = Shape.from_mesh(crack, [[0, 1, 2], [3, 5, 4]])
+        >>> tile.adjacency.indices.tolist(), tile.with_weld(1e-5).adjacency.indices.tolist()
+        ([], [1, 0])
+        """
+        if not isinstance(self.geometry, PolygonMesh):
+            raise ShapeError(
+                f"'{self.name}' is a {self.geometry.kind}; only of a mesh can vertices be joined"
+            )
+        return Shape.from_polygon_mesh(self.geometry.welded(weld), name=self.name)
 
     def with_elements(self, elements: Elements) -> Shape:
         """The same voxel grid with all cells as elements, or only those of its surface.
@@ -403,7 +462,9 @@ class Shape(ShapeData):
                 f"a deformation of '{self.name}' needs a finite place for each of its"
                 f" {len(self.geometry.vertices)} vertices, not an array of shape {places.shape}"
             )
-        mesh = replace(self.geometry, vertices=places)
+        # Embeddings have units of their own: vertices are joined within the same share of these.
+        share = min(self.geometry.tolerance / self.geometry.diagonal, MOST_WELD)
+        mesh = replace(self.geometry, vertices=places).welded(share)
         deformed = Shape.from_polygon_mesh(mesh, name=self.name)
         volume = deformed_volume(
             mesh,

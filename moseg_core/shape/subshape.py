@@ -125,4 +125,5 @@ def _restricted(mesh: PolygonMesh, elements: IntArray) -> PolygonMesh:
         offsets=np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64),
         triangles=np.searchsorted(used, mesh.triangles[pieces]),
         triangle_polygon=np.repeat(np.arange(len(elements)), np.diff(starts)[elements]),
+        tolerance=mesh.tolerance,
     )

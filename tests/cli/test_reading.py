@@ -48,3 +48,12 @@ def test_neighbours_and_a_volume_are_there_if_asked_for(cloud, open_box):
 def test_a_file_that_is_not_there(tmp_path):
     with pytest.raises(ShapeError, match="does not exist"):
         read_shape(tmp_path / "none.off", ShapeFlags())
+
+
+def test_how_near_vertices_are_joined(tmp_path, cloud):
+    path = tmp_path / "crack.off"
+    corners = "0 0 0\n1 0 0\n0 1 0\n1 1e-6 0\n0 1 0\n1 1 0\n"
+    path.write_text(f"OFF\n6 2 0\n{corners}3 0 1 2\n3 3 5 4\n")
+    assert read_shape(path, ShapeFlags()).adjacency.components()[0] == 2
+    assert read_shape(path, ShapeFlags(weld=1e-5)).adjacency.components()[0] == 1
+    assert read_shape(cloud, ShapeFlags(weld=1e-5)).n_elements == 26  # nothing to clouds

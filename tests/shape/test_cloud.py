@@ -8,6 +8,7 @@ import trimesh
 
 from moseg_core.errors import ShapeError
 from moseg_core.shape.cloud import PointCloud, estimated_areas
+from moseg_core.shape.shape import Shape
 from tests import shapes
 
 
@@ -87,7 +88,8 @@ def test_given_areas_and_normals_are_kept():
         ({"points": 3.0}, "points must have the shape"),
         ({"points": [[1, 2]]}, r"points must have the shape \(F, 3\), not \(1, 2\)"),
         ({"points": [["a", "b", "c"]]}, "points must be an array of numbers"),
-        ({"points": [[0, 0, 0], [0, np.nan, 0]]}, "points of point 1 are not finite"),
+        ({"points": [[0, 0, np.inf], [0, np.nan, 0]]}, "no point is finite"),
+        ({"points": [[0, 0, 0], [0, np.nan, 0]]}, "all points are in one place"),
         ({"points": [[1, 2, 3]] * 12}, "all points are in one place"),
         ({"points": [[1, 2, 3]]}, "all points are in one place"),
         ({"points": np.eye(3), "areas": [1, 2]}, r"areas must have the shape \(3,\), not \(2,\)"),
@@ -99,3 +101,33 @@ def test_given_areas_and_normals_are_kept():
 def test_malformed_clouds_are_refused(arguments, message):
     with pytest.raises(ShapeError, match=message):
         PointCloud.from_points(**arguments)
+
+
+def test_points_that_are_not_finite_stand_by_the_one_before_without_weight():
+    points = np.random.default_rng(0).random((9, 3))
+    gaps = np.insert(points, [0, 4, 4, 9], np.nan, axis=0)
+    gaps[5, 1] = np.inf
+    cloud = PointCloud.from_points(gaps)
+    lost = [0, 5, 6, 12]
+    assert cloud.stand_in.tolist() == [1, 1, 2, 3, 4, 4, 4, 7, 8, 9, 10, 11, 11]
+    assert cloud.n_unplaced == 4
+    np.testing.assert_array_equal(np.delete(cloud.vertices, lost, axis=0), points)
+    np.testing.assert_array_equal(np.delete(cloud.areas, lost), estimated_areas(points))
+    assert cloud.areas[lost].tolist() == [0.0] * 4
+    given = PointCloud.from_points(gaps, areas=np.arange(13.0), normals=gaps)
+    assert given.areas[lost].tolist() == [0.0] * 4
+    assert given.normals[lost].tolist() == [[0.0] * 3] * 4
+    assert given.notes[1] == "normals that are not finite: 4; they are taken to be 0"
+
+
+def test_neighbours_are_those_of_the_points_that_have_a_place():
+    points = np.random.default_rng(0).random((60, 3))
+    gaps = np.insert(points, 30, [[np.nan] * 3] * 15, axis=0)
+    whole = Shape.from_points(points, adjacency="knn")
+    shape = Shape.from_points(gaps, adjacency="knn")
+    place = np.delete(np.arange(75), range(30, 45))
+    pairs = {tuple(pair) for pair in shape.adjacency.pairs.tolist()}
+    assert {tuple(pair) for pair in place[whole.adjacency.pairs].tolist()} <= pairs
+    assert [shape.adjacency.neighbors(k).tolist() for k in range(30, 45)] == [[29]] * 15
+    assert sum("not finite" in note for note in shape.notes) == 1
+    assert not any("no area" in note for note in shape.notes)

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from moseg_core.errors import ShapeError
+from moseg_core.errors import ShapeError, UsageError
 from moseg_core.shape.mesh import PolygonMesh
 from tests import shapes
 
@@ -40,7 +40,7 @@ def mesh_of(mesh):
         (TRIANGLE, np.array([[0.0, 1, 2]]), "integers"),
         (TRIANGLE, np.array([0, 1, 2]), r"\(F, k\)"),
         ([[0, 0, np.nan], *TRIANGLE[1:]], [[0, 1, 2]], r"vertex 0 is not finite.*\(1 such"),
-        ([*TRIANGLE, [np.inf, 0, 0], [0, -np.inf, 0]], [[0, 1, 2]], r"vertex 3 .*\(2 such"),
+        ([*TRIANGLE, [np.inf, 0, 0], [0, -np.inf, 0]], [[0, 3, 4]], r"vertex 3 .*\(2 such"),
     ],
 )
 def test_malformed_meshes_are_refused_in_one_line(vertices, faces, message):
@@ -90,7 +90,7 @@ def test_the_mesh_keeps_a_copy_of_what_it_is_given():
 
 def test_vertices_are_one_where_their_positions_are():
     mesh = PolygonMesh.from_faces(
-        [[0, 0, 0], [1, 0, 0], [0, 1, 0], [-0.0, -0.0, 0], [1, 0, 1e-300], [1, 0, 0]],
+        [[0, 0, 0], [1, 0, 0], [0, 1, 0], [-0.0, -0.0, 0], [1, 0, 1e-7], [1, 0, 0]],
         [[0, 1, 2], [3, 4, 5]],
     )
     merged = mesh.merged.tolist()
@@ -129,3 +129,27 @@ def test_an_edge_of_no_length_is_left_out():
     ends, polygon = mesh.edges
     assert polygon.tolist() == [0, 0, 0, 1, 1]
     assert (ends[:, 0] != ends[:, 1]).all()
+
+
+@pytest.mark.parametrize("idle", [np.nan, np.inf, 1e300])
+def test_vertices_that_no_face_uses_are_not_looked_at(idle):
+    mesh = PolygonMesh.from_faces([[idle, 0, 0], *TRIANGLE, [0, 0, idle]], [[1, 2, 3]])
+    assert np.isfinite(mesh.vertices).all()
+    assert mesh.vertices[1:4].tolist() == TRIANGLE
+    assert mesh.notes == ("vertices without a place, used by no face: 2; they are not looked at",)
+
+
+def test_how_near_vertices_are_joined_is_a_share_of_the_diagonal():
+    crack = [[0, 0, 0], [300, 0, 0], [0, 400, 0], [300, 3e-6, 0], [0, 400, 0], [300, 400, 0]]
+    faces = [[0, 1, 2], [3, 5, 4]]
+    mesh = PolygonMesh.from_faces(crack, faces)
+    assert mesh.tolerance == pytest.approx(5e-6)
+    assert mesh.merged[1] == mesh.merged[3]
+    assert mesh.positions.n_near == 1
+    assert mesh.vertices.tolist() == crack  # none is moved
+    exact = mesh.welded(0.0)
+    assert exact.merged[1] != exact.merged[3]
+    assert PolygonMesh.from_faces(crack, faces, weld=1e-9).positions.n_near == 0
+    for wrong in (-1e-9, 0.2, np.nan):
+        with pytest.raises(UsageError, match="a share of the diagonal from 0 to"):
+            mesh.welded(wrong)

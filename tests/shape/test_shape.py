@@ -162,3 +162,12 @@ def test_what_a_reader_says_comes_first_and_stays():
     assert Shape.from_points(np.eye(3), notes=iter(said)).notes[0] == said[0]
     grid = Shape.from_voxels(np.ones((2, 2, 2), bool), notes=said)
     assert grid.notes == grid.with_elements("surface").notes == said
+
+
+def test_in_other_units_vertices_are_joined_within_the_same_share():
+    crack = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1e-9, 0], [0, 1, 0], [1, 1, 0]])
+    shape = Shape.from_mesh(crack, [[0, 1, 2], [3, 5, 4]])
+    for scale in (1e-9, 1e9):
+        mesh = shape.deformed(scale * crack, space="other").geometry
+        np.testing.assert_array_equal(mesh.merged, shape.geometry.merged)
+        assert mesh.tolerance == pytest.approx(scale * shape.geometry.tolerance)

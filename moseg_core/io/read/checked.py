@@ -19,12 +19,10 @@ from pathlib import Path
 import numpy as np
 
 from moseg_core.errors import ShapeError
+from moseg_core.shape.geometry import FARTHEST
 from moseg_core.shape.mesh import PolygonMesh
 from moseg_core.shape.shape import Shape
 from moseg_core.types import FloatArray, IntArray
-
-# Fourth powers of lengths (second moments) and a little more must fit into a float.
-_FARTHEST = 1e50
 
 
 def file_error(path: Path, what: str, *, line: int | None = None) -> ShapeError:
@@ -68,7 +66,28 @@ def read_file(path: Path) -> bytes:
     return data
 
 
-def refuse_far(path: Path, points: FloatArray, what: str) -> None:
+def small_faces_note(count: int, where: str) -> list[str]:
+    """The note about faces of one or two corners, which are no faces; none where there are none.
+
+    Parameters
+    ----------
+    count : int
+    where : str
+        Where the first is.
+
+    Examples
+    --------
+    >>> small_faces_note(2, "line 7")
+    ['faces of fewer than three corners: 2, the first in line 7; they are passed over']
+    """
+    if not count:
+        return []
+    return [
+        f"faces of fewer than three corners: {count}, the first in {where}; they are passed over"
+    ]
+
+
+def refuse_far(path: Path, points: FloatArray, corners: IntArray, what: str) -> None:
     """Refuse places too far away for their moments to be floats.
 
     Parameters
@@ -76,6 +95,8 @@ def refuse_far(path: Path, points: FloatArray, what: str) -> None:
     path : Path
     points : (n, 3) float
         Those that are not finite are left to others to report.
+    corners : (C,) int
+        Which of the points count.
     what : str
         What a point is called.
 
@@ -84,7 +105,11 @@ def refuse_far(path: Path, points: FloatArray, what: str) -> None:
     ShapeError
         Says which it is.
     """
-    far = (np.isfinite(points) & (np.abs(points) > _FARTHEST)).any(axis=1)
+    if points.size and max(points.max(), -points.min()) <= FARTHEST:
+        return  # not so where one is no number
+    far = (np.isfinite(points) & (np.abs(points) > FARTHEST)).any(axis=1)
+    if far.any():
+        far &= np.isin(np.arange(len(points)), corners)
     if far.any():
         point = int(np.argmax(far))
         raise file_error(
@@ -132,7 +157,7 @@ def shape_from_polygons(
             path,
             "has no faces; export the shape with its faces, or a point cloud as .ply, .xyz or .csv",
         )
-    refuse_far(path, vertices, "vertex")
+    refuse_far(path, vertices, corners, "vertex")
     sizes = np.diff(offsets)
     try:
         if (sizes == sizes[0]).all() and sizes[0] > 0:
