@@ -112,9 +112,16 @@ def moseg_readers() -> list[ReaderSpec]:
         ReaderSpec(name="ply", target="moseg_core.io.read.ply:read_ply", suffixes=(".ply",)),
         ReaderSpec(name="obj", target="moseg_core.io.read.obj:read_obj", suffixes=(".obj",)),
         ReaderSpec(name="stl", target="moseg_core.io.read.stl:read_stl", suffixes=(".stl",)),
-        ReaderSpec(name="glb", target="moseg_core.io.read.glb_scene:read_glb", suffixes=(".glb",)),
-        ReaderSpec(name="xyz", target="moseg_core.io.read.clouds:read_xyz", suffixes=(".xyz",)),
-        ReaderSpec(name="csv", target="moseg_core.io.read.clouds:read_csv", suffixes=(".csv",)),
+        ReaderSpec(
+            name="glb",
+            target="moseg_core.io.read.glb_scene:read_glb",
+            suffixes=(".glb", ".gltf"),
+        ),
+        ReaderSpec(
+            name="xyz",
+            target="moseg_core.io.read.clouds:read_points",
+            suffixes=(".xyz", ".pts", ".asc", ".txt", ".csv"),
+        ),
         ReaderSpec(name="npy", target="moseg_core.io.read.grids:read_npy", suffixes=(".npy",)),
         ReaderSpec(
             name="binvox", target="moseg_core.io.read.grids:read_binvox", suffixes=(".binvox",)

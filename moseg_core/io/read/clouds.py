@@ -1,10 +1,12 @@
-"""Point clouds from text: ``.xyz`` and ``.csv``, and what readers of clouds have in common.
+"""Point clouds from text and from arrays: what readers of clouds have in common.
 
-An ``.xyz`` file has a point a line, its numbers parted by blanks: x, y, z and maybe a normal. Many
-programs put a colour where others put the normal; three more numbers are taken for a normal where
-all of them are of length 0 or about 1, and left alone otherwise. A ``.csv`` file names its columns
-in the first line, ``x``, ``y``, ``z`` and maybe ``nx``, ``ny``, ``nz`` and ``area``, in any order
-and among others; without such a line the columns are those of an ``.xyz`` file.
+A text file has a point a line (:mod:`moseg_core.io.read.point_rows`); its columns are known by
+their names or, without such, by what stands in them (:mod:`moseg_core.io.read.point_columns`).
+The endings ``.xyz``, ``.pts``, ``.asc``, ``.txt`` and ``.csv`` are read alike. An array, from an
+``.npy`` file, is such a table without names.
+
+A cell that is empty or says that it is no number makes a point that is not finite: an element
+without weight, so that the others keep their rows (:mod:`moseg_core.shape.cloud`).
 """
 
 from __future__ import annotations
@@ -16,11 +18,11 @@ import numpy as np
 
 from moseg_core.errors import ShapeError
 from moseg_core.io.read.checked import file_error, read_file, refuse_far
-from moseg_core.io.read.text_rows import Row, floats, text_rows, word
+from moseg_core.io.read.point_columns import named_columns, passed_over, unnamed_columns
+from moseg_core.io.read.point_rows import MISSING, PointRows, read_rows
+from moseg_core.io.read.text_rows import floats, word
 from moseg_core.shape.shape import Shape
 from moseg_core.types import FloatArray
-
-_COLUMNS = ("x", "y", "z", "nx", "ny", "nz", "area")
 
 
 def shape_from_points(
@@ -52,42 +54,40 @@ def shape_from_points(
     >>> shape_from_points(Path("a/tile.xyz"), np.eye(3)).name
     'tile'
     """
-    refuse_far(path, points, "point")
+    refuse_far(path, points, np.arange(len(points)), "point")
     try:
         return Shape.from_points(points, normals=normals, areas=areas, name=path.stem, notes=notes)
     except ShapeError as error:
         raise ShapeError(f"{path.name}: {error}") from error
 
 
-def read_xyz(path: Path) -> Shape:
-    r"""Read an XYZ file: one element per line.
+def shape_from_table(path: Path, table: FloatArray, *, notes: Iterable[str] = ()) -> Shape:
+    """The point cloud of a table without names.
 
     Parameters
     ----------
     path : Path
+    table : (F, k) float
+        The place in the first three columns, maybe a normal among the others.
+    notes : iterable of str
 
     Raises
     ------
     ShapeError
-        The file cannot be read, or a line does not hold three or six numbers.
+        The points make no surface; the message begins with the file's name.
 
     Examples
     --------
-    >>> import tempfile
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     file = Path(folder) / "corner.xyz"
-    ...     _ = file.write_text("# three points\n1 0 0\n0 1 0\n0 0 1\n")
-    ...     read_xyz(file).n_elements
-    3
+    >>> shape_from_table(Path("a/tile.npy"), np.eye(4)[:3]).notes[0]
+    'passed over: column 4'
     """
-    rows, lines = text_rows(read_file(path))
-    if not rows:
-        raise file_error(path, "holds nothing but comments; export it again")
-    return _of_columns(path, rows, lines)
+    columns = unnamed_columns(table.shape[1], lambda k: table[:, k])
+    said = passed_over(table.shape[1], list(columns.values()))
+    return _shape(path, {name: table[:, k] for name, k in columns.items()}, [*notes, *said])
 
 
-def read_csv(path: Path) -> Shape:
-    r"""Read a table of points, its cells parted by commas, semicolons or tabs.
+def read_points(path: Path) -> Shape:
+    r"""Read a text file of points: one element per row.
 
     Parameters
     ----------
@@ -96,7 +96,8 @@ def read_csv(path: Path) -> Shape:
     Raises
     ------
     ShapeError
-        The file cannot be read, columns are missing, or cells hold no numbers.
+        The file cannot be read, names no columns x, y, z, or a row is cut off or holds no numbers
+        where they should stand.
 
     Examples
     --------
@@ -104,67 +105,71 @@ def read_csv(path: Path) -> Shape:
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     file = Path(folder) / "corner.csv"
     ...     _ = file.write_text("id,x,y,z,area\n7,1,0,0,0.5\n8,0,1,0,0.5\n9,0,0,1,1\n")
-    ...     read_csv(file).areas.tolist()
+    ...     read_points(file).areas.tolist()
     [0.5, 0.5, 1.0]
     """
-    text = read_file(path).removeprefix(b"\xef\xbb\xbf").splitlines()
-    lines = [number for number, line in enumerate(text, 1) if line.strip()]
-    separator = next((mark for mark in (b",", b";", b"\t") if mark in text[lines[0] - 1]), b",")
-    rows = [[cell.strip().strip(b'"') for cell in text[n - 1].split(separator)] for n in lines]
-    header = [cell.decode("utf-8", "replace").lower() for cell in rows[0]]
-    if not set(header) & set(_COLUMNS):
-        return _of_columns(path, rows, lines)
-    for axis in "xyz":
-        if axis not in header:
-            raise file_error(
-                path, f"has no column '{axis}'; name its columns x, y, z", line=lines[0]
-            )
-    rows, lines = rows[1:], lines[1:]
-    if not rows:
-        raise file_error(path, "has no rows below its header; export it again")
-    for row, line in zip(rows, lines, strict=True):
-        if len(row) != len(header):
-            raise file_error(
-                path, f"the row has {len(row)} cells, the header {len(header)}", line=line
-            )
-
-    def column(name: str) -> FloatArray:
-        place = header.index(name)
-        return floats(path, [row[place] for row in rows], lambda i: lines[i])
-
-    points = np.stack([column(axis) for axis in "xyz"], axis=1)
-    normals = None
-    if {"nx", "ny", "nz"} <= set(header):
-        normals = np.stack([column(f"n{axis}") for axis in "xyz"], axis=1)
-    areas = column("area") if "area" in header else None
-    return shape_from_points(path, points, normals=normals, areas=areas)
-
-
-def _of_columns(path: Path, rows: list[Row], lines: list[int]) -> Shape:
-    """The cloud of rows of three or six numbers, all of the same length."""
-    width = len(rows[0])
-    if width not in (3, 6):
+    found = read_rows(path, read_file(path))
+    width = len(found.rows[0])
+    if found.names:
+        columns = named_columns(found.names)
+        for axis in "xyz":
+            if axis not in columns:
+                raise file_error(
+                    path,
+                    f"has no column '{axis}' among {', '.join(map(repr, found.names[:8]))};"
+                    " name its columns x, y, z",
+                )
+        if len({"nx", "ny", "nz"} & set(columns)) < 3:
+            columns = {name: k for name, k in columns.items() if not name.startswith("n")}
+    elif width < 3:
         raise file_error(
             path,
-            f"expected x y z, or x y z and a normal, found {width} words that begin with"
-            f" {word(rows[0][0])}",
-            line=lines[0],
+            f"expected x y z in the first columns, found {width} words that begin with"
+            f" {word(found.rows[0][0])}",
+            line=found.lines[0],
         )
-    for row, line in zip(rows, lines, strict=True):
-        if len(row) != width:
-            raise file_error(
-                path,
-                f"the row has {len(row)} numbers, the first {width}; it is cut off or damaged",
-                line=line,
-            )
-    tokens = [token for row in rows for token in row]
-    table = floats(path, tokens, lambda i: lines[i // width]).reshape(-1, width)
-    return shape_from_points(path, table[:, :3], normals=_normals(table[:, 3:]))
+    else:
+        columns = unnamed_columns(width, lambda k: _numbers(path, found, k, needed=k < 3))
+    notes = [*found.notes, *passed_over(width, list(columns.values()), found.names)]
+    values = {name: _column(path, found, k) for name, k in columns.items()}
+    return _shape(path, values, notes)
 
 
-def _normals(columns: FloatArray) -> FloatArray | None:
-    """The columns as normals; None where they are something else."""
-    with np.errstate(over="ignore", invalid="ignore"):
-        length = np.sqrt((columns**2).sum(axis=1))
-        unit = (length == 0.0) | (np.abs(length - 1.0) < 0.1)
-    return columns if columns.shape[1] == 3 and unit.all() and length.any() else None
+def _shape(path: Path, values: dict[str, FloatArray], notes: list[str]) -> Shape:
+    normals = None
+    if "nx" in values:
+        normals = np.stack([values[f"n{axis}"] for axis in "xyz"], axis=1)
+    return shape_from_points(
+        path,
+        np.stack([values[axis] for axis in "xyz"], axis=1),
+        normals=normals,
+        areas=values.get("area"),
+        notes=notes,
+    )
+
+
+def _column(path: Path, found: PointRows, k: int) -> FloatArray:
+    """The numbers of a column that is needed."""
+    values = _numbers(path, found, k, needed=True)
+    assert values is not None  # else refused
+    return values
+
+
+def _numbers(path: Path, found: PointRows, k: int, *, needed: bool) -> FloatArray | None:
+    """The numbers of a column, "nan" where one is missing; None where others are words."""
+    cells = [row[k] for row in found.rows]
+    try:
+        # Python reads 1_000 as a number; no file format does.
+        if b"_" not in b"".join(cells):
+            return np.array(list(map(float, cells)), np.float64)
+    except ValueError:
+        pass  # found below
+    if cells[-1] == b"" and not found.ended:
+        raise file_error(path, "the last row is cut off; export it again", line=found.lines[-1])
+    cells = [b"nan" if not cell or cell.lower() in MISSING else cell for cell in cells]
+    try:
+        return floats(path, cells, lambda i: found.lines[i])
+    except ShapeError:
+        if needed:
+            raise
+        return None

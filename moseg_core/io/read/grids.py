@@ -2,6 +2,8 @@
 
 Both are read as solids, every occupied cell an element, in C order; the command line's
 ``--voxels surface`` (:meth:`moseg_core.shape.shape.Shape.with_elements`) reads the surface alone.
+An array of two axes, or of floats with three columns at its end, is no grid but a cloud of points
+(:mod:`moseg_core.io.read.clouds`).
 
 An array knows no units: its cells have side 1 and begin at the origin. A ``.binvox`` file (Min
 2004, the output of his program of that name) says in its header where the grid is: cell
@@ -23,14 +25,16 @@ import numpy.typing as npt
 
 from moseg_core.errors import ShapeError
 from moseg_core.io.read.checked import file_error, read_file
+from moseg_core.io.read.clouds import shape_from_table
 from moseg_core.shape.shape import Shape
 from moseg_core.types import BoolArray
 
 _MOST_CELLS = 2**31
+_MOST_COLUMNS = 100
 
 
 def read_npy(path: Path) -> Shape:
-    """Read an array of three axes as a voxel grid: what is not 0 is occupied.
+    """Read an array of three axes as a voxel grid, what is not 0 is occupied; or points.
 
     Parameters
     ----------
@@ -39,7 +43,7 @@ def read_npy(path: Path) -> Shape:
     Raises
     ------
     ShapeError
-        The file is no such array, or nothing in it is occupied.
+        The file is no such array, or nothing in it is occupied, or the points make no surface.
 
     Examples
     --------
@@ -51,9 +55,22 @@ def read_npy(path: Path) -> Shape:
     8.0
     """
     array = read_array(path)
+    if array.dtype.kind in "iuf" and array.size:
+        if array.ndim == 2 and array.shape[1] >= 3:
+            if len(array) == 3 and array.shape[1] > _MOST_COLUMNS:
+                raise file_error(
+                    path,
+                    f"holds an array of shape {array.shape}; points are rows: save it transposed",
+                )
+            return shape_from_table(path, array.astype(np.float64))
+        if array.ndim == 3 and array.shape[2] == 3 and array.dtype.kind == "f":
+            note = f"{array.shape[0]} x {array.shape[1]} points, row by row"
+            return shape_from_table(path, array.reshape(-1, 3).astype(np.float64), notes=[note])
     if array.ndim != 3:
         raise file_error(
-            path, f"holds an array of shape {array.shape}; a voxel grid has three axes"
+            path,
+            f"holds an array of shape {array.shape}; a voxel grid has three axes, a cloud of points"
+            f" the shape (N, 3), or more columns",
         )
     if array.dtype.kind not in "biu":
         raise file_error(

@@ -18,6 +18,12 @@ from moseg_core.types import FloatArray, IntArray
 
 Row = list[bytes]
 
+# How the C libraries of some systems write what is not finite, in small letters.
+_NOT_FINITE = frozenset(
+    b"nan(ind),-nan(ind),nan(snan),1.#ind,-1.#ind,1.#qnan,-1.#qnan,1.#snan,1.#inf,-1.#inf,"
+    b"1.#ind00,-1.#ind00,1.#qnan0,-1.#qnan0,1.#inf00,-1.#inf00".split(b",")
+)
+
 
 def text_rows(
     data: bytes, *, comment: bytes | None = b"#", continuation: bool = False
@@ -27,7 +33,8 @@ def text_rows(
     Parameters
     ----------
     data : bytes
-        Lines end in LF, CR LF or CR; a byte-order mark at the beginning is skipped.
+        Lines end in LF, CR LF or CR; a byte-order mark at the beginning is skipped, and so are the
+        zeros or the mark of old systems behind the end.
     comment : bytes or None
         From here to the end of a line nothing is read.
     continuation : bool
@@ -46,7 +53,7 @@ def text_rows(
     >>> text_rows(b"f 1 2 \\\n3\n", continuation=True)
     ([[b'f', b'1', b'2', b'3']], [1])
     """
-    text = data.removeprefix(b"\xef\xbb\xbf").splitlines()
+    text = data.removeprefix(b"\xef\xbb\xbf").rstrip(b"\0\x1a").splitlines()
     if comment is not None and comment in data:
         text = [line.partition(comment)[0] for line in text]
     if continuation and b"\\" in data:
@@ -137,6 +144,8 @@ def floats(path: Path, tokens: Sequence[bytes], line_of: Callable[[int], int]) -
             return np.array(list(map(float, tokens)), np.float64)
         except ValueError:
             pass  # found and reported below
+        if not _NOT_FINITE.isdisjoint(lowered := [token.lower() for token in tokens]):
+            return floats(path, [b"nan" if t in _NOT_FINITE else t for t in lowered], line_of)
     raise _first_culprit(path, tokens, line_of, _is_float, "a number")
 
 

@@ -121,3 +121,33 @@ def test_damaged_bytes_are_read_or_refused(reader, contents, damages):
 @pytest.mark.parametrize(("reader", "contents"), [(read_npy, npy(BLOCK)), (read_binvox, BINVOX)])
 def test_a_file_that_is_cut_off_is_never_read(reader, contents, accepted_cuts):
     assert accepted_cuts(reader, "cut", contents) == {}
+
+
+@pytest.mark.parametrize("kind", ["f2", "f4", "f8", ">f8", "i4"])
+def test_an_array_of_two_axes_is_a_cloud(kind, as_file):
+    table = np.arange(20).reshape(5, 4).astype(kind)
+    shape = read_npy(as_file("cloud.npy", npy(table)))
+    np.testing.assert_array_equal(shape.points, table[:, :3])
+    assert shape.notes[0] == "passed over: column 4"
+
+
+def test_a_picture_of_points_is_a_cloud_row_by_row(as_file):
+    picture = np.random.default_rng(0).random((4, 5, 3))
+    picture[2, 3] = np.nan
+    shape = read_npy(as_file("cloud.npy", npy(picture)))
+    assert (shape.noun, shape.n_elements, np.flatnonzero(shape.areas == 0)) == ("point", 20, [13])
+    assert shape.notes[0] == "4 x 5 points, row by row"
+
+
+@pytest.mark.parametrize(
+    ("array", "message"),
+    [
+        (np.zeros((600, 2)), "a cloud of points the shape (N, 3), or more columns"),
+        (np.zeros((3, 600)), "points are rows: save it transposed"),
+        (np.zeros((4, 4), bool), "a voxel grid has three axes"),
+        (np.zeros((4, 4, 4)), "save the grid as bool"),
+        (np.full((4, 3), np.nan), "no point is finite"),
+    ],
+)
+def test_arrays_that_are_neither(array, message, refusal):
+    assert message in refusal(read_npy, "x.npy", npy(array))

@@ -96,3 +96,7 @@ def test_leading_floats_name_the_line_of_what_is_wrong():
     del rows[1][2:]
     with pytest.raises(ShapeError, match=r"line 5: a corner needs 3 coordinates, this one has 1"):
         leading_floats(PATH, rows, [3, 5], start=1, what="corner")
+
+
+def test_what_stands_behind_the_end_is_no_word():
+    assert text_rows(b"1 2\n\x1a") == text_rows(b"1 2\n" + bytes(9)) == ([[b"1", b"2"]], [1])
