@@ -4,18 +4,28 @@ A label belongs to a face line, so face lines are kept one to one and in order, 
 groups and materials they stand between, and a quad or larger polygon stays one polygon. Texture
 coordinates and normals do not cut the surface: corners are joined by position.
 
+Programs add statements of their own (``e`` for the edges of MeshCNN). What is unknown and cannot be
+a damaged vertex or face line is passed over, and so are faces of one or two corners, which are no
+faces; the shape's notes say so.
+
 An OBJ file has no counts. A file that was cut off between two lines cannot be told from a whole
 one unless faces then name vertices that are missing; one that was cut inside a line mostly can.
 """
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
 
 from moseg_core.errors import ShapeError
-from moseg_core.io.read.checked import file_error, read_file, shape_from_polygons
+from moseg_core.io.read.checked import (
+    file_error,
+    read_file,
+    shape_from_polygons,
+    small_faces_note,
+)
 from moseg_core.io.read.text_rows import (
     Row,
     integers,
@@ -27,16 +37,23 @@ from moseg_core.io.read.text_rows import (
 from moseg_core.shape.shape import Shape
 from moseg_core.types import IntArray
 
+_MOST_NOTES = 12
+
 # Geometry that is not polygons of this file: free-form patches, and other files.
 _UNSUPPORTED = frozenset(b"surf bsp bzp cdp call".split())
 
-# Statements without a say in which polygons there are. An unknown one is refused: it may be a
-# damaged face line, and every later label would then be off by one.
+# Statements without a say in which polygons there are.
 _IGNORED = frozenset(
     b"vt vn vp vw p l o g s mg t mtllib maplib usemtl usemap lod bevel c_interp d_interp"
     b" shadow_obj trace_obj deg bmat step cstype res curv curv2 cdc parm trim hole scrv sp end con"
     b" ctech stech csh".split()
 )
+
+
+# An unknown statement has a name. One that begins with f, or like a v with its number, may be a
+# damaged line of a face or vertex, and every later label or number would be off by one.
+_STATEMENT = re.compile(rb"(?![fF])[A-Za-z_][\w.:-]*")
+_DAMAGED = re.compile(rb"v[-.\d]", re.IGNORECASE)
 
 
 def read_obj(path: Path) -> Shape:
@@ -65,26 +82,52 @@ def read_obj(path: Path) -> Shape:
     ...     read_obj(file).n_elements
     1
     """
-    rows, lines = text_rows(read_file(path), continuation=True)
+    data = read_file(path)
+    rows, lines = text_rows(data, continuation=True)
     positions: list[Row] = []
     position_lines: list[int] = []
     faces: list[Row] = []
     face_lines: list[int] = []
     defined: list[int] = []  # how many positions there were before each face
+    unknown: dict[bytes, list[int]] = {}
+    small: list[int] = []
     for row, line in zip(rows, lines, strict=True):
         keyword = row[0]
         if keyword == b"v":
             positions.append(row)
             position_lines.append(line)
         elif keyword == b"f" or keyword == b"fo":
+            if 1 < len(row) < 4:
+                small.append(line)
+                continue
             faces.append(row)
             face_lines.append(line)
             defined.append(len(positions))
         elif keyword not in _IGNORED:
-            raise _unexpected(path, keyword, line)
+            if (
+                keyword in _UNSUPPORTED
+                or not _STATEMENT.fullmatch(keyword)
+                or _DAMAGED.match(keyword)
+            ):
+                raise _unexpected(path, keyword, line)
+            unknown.setdefault(keyword, []).append(line)
+    if unknown and not faces:
+        raise _unexpected(path, *next((keyword, found[0]) for keyword, found in unknown.items()))
+    if small and small[-1] == lines[-1] and not data.endswith((b"\n", b"\r")):
+        raise file_error(path, "the last face is cut off; export it again", line=lines[-1])
+    notes = [
+        f"statement {word(keyword)} is unknown and passed over"
+        f" ({_times(found)}, first in line {found[0]})"
+        for keyword, found in unknown.items()
+    ]
+    notes += small_faces_note(len(small), f"line {small[0]}" if small else "")
     vertices = leading_floats(path, positions, position_lines, start=1)
     corners, offsets = _faces(path, faces, face_lines, np.array(defined, np.int64), len(positions))
-    return shape_from_polygons(path, vertices, corners, offsets)
+    return shape_from_polygons(path, vertices, corners, offsets, notes=notes[:_MOST_NOTES])
+
+
+def _times(found: list[int]) -> str:
+    return "once" if len(found) == 1 else f"{len(found)} times"
 
 
 def _unexpected(path: Path, keyword: bytes, line: int) -> ShapeError:
@@ -106,8 +149,8 @@ def _faces(
     Numbers count from 1; negative ones count back from the last vertex defined before the face.
     """
     sizes = np.array([len(row) - 1 for row in rows], np.int64)
-    if (sizes < 3).any():
-        face = int(np.argmax(sizes < 3))
+    if (sizes < 1).any():
+        face = int(np.argmax(sizes < 1))
         what = f"a face needs at least 3 corners, this one has {sizes[face]}; remove or repair it"
         raise file_error(path, what, line=lines[face])
     offsets = np.zeros(len(rows) + 1, np.int64)

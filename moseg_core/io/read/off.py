@@ -4,18 +4,25 @@ Read are the ASCII variants in three dimensions: ``OFF`` and, with more columns 
 coordinates, ``COFF``, ``NOFF``, ``STOFF`` and their combinations. The extra columns, and the
 colours behind a face's corners, are left alone. Tolerated are comments, the counts on the line
 of the keyword (even without a blank between them), a missing keyword and a missing number of
-edges, which files in circulation all have. Not tolerated is a file that holds more or less than
+edges, which files in circulation all have. Faces of one or two corners are passed over, with a
+note. Not tolerated is a file that holds more or less than
 its counts say.
 """
 
 from __future__ import annotations
 
 import re
+import warnings
 from pathlib import Path
 
 import numpy as np
 
-from moseg_core.io.read.checked import file_error, read_file, shape_from_polygons
+from moseg_core.io.read.checked import (
+    file_error,
+    read_file,
+    shape_from_polygons,
+    small_faces_note,
+)
 from moseg_core.io.read.text_rows import (
     Row,
     floats,
@@ -26,7 +33,7 @@ from moseg_core.io.read.text_rows import (
     word,
 )
 from moseg_core.shape.shape import Shape
-from moseg_core.types import IntArray
+from moseg_core.types import FloatArray, IntArray
 
 _KEYWORD = re.compile(rb"(ST)?C?N?(4)?(n)?OFF")
 _COUNTS = "the numbers of vertices, faces and edges"
@@ -58,7 +65,12 @@ def read_off(path: Path) -> Shape:
     ...     read_off(file).n_elements
     1
     """
-    rows, lines = text_rows(read_file(path))
+    data = read_file(path)
+    regular = _regular_mesh(data)
+    if regular is not None:
+        vertices, corners = regular
+        return shape_from_polygons(path, vertices, corners, np.arange(0, len(corners) + 1, 3))
+    rows, lines = text_rows(data)
     if not rows:
         raise file_error(path, "holds nothing but comments; export it again")
     rows, lines = _without_keyword(path, rows, lines)
@@ -75,9 +87,48 @@ def read_off(path: Path) -> Shape:
         raise file_error(
             path, f"{announced} goes on behind them; correct the counts", line=lines[total]
         )
+    notes: list[str] = []
     vertices = leading_floats(path, rows[:n_vertices], lines[:n_vertices])
-    corners, offsets = _faces(path, rows[n_vertices:], lines[n_vertices:])
-    return shape_from_polygons(path, vertices, corners, offsets)
+    rows, lines = rows[n_vertices:], lines[n_vertices:]
+    small = [i for i, row in enumerate(rows) if row[0] in (b"1", b"2") and len(row) > int(row[0])]
+    if small:
+        notes = small_faces_note(len(small), f"line {lines[small[0]]}")
+        left = np.delete(np.arange(len(rows)), small).tolist()
+        rows, lines = [rows[i] for i in left], [lines[i] for i in left]
+    corners, offsets = _faces(path, rows, lines)
+    return shape_from_polygons(path, vertices, corners, offsets, notes=notes)
+
+
+def _regular_mesh(data: bytes) -> tuple[FloatArray, IntArray] | None:
+    """Vertices (V, 3) and corners (3 F,) of a file of plain triangles, without regard to lines.
+
+    Ten times as fast as row by row. None where anything is out of the ordinary, which the slow
+    reading then accepts or names.
+    """
+    head = re.match(rb"OFF\s+(\d{1,9})[ \t]+(\d{1,9})([ \t]+\d+)?[ \t]*\r?\n", data)
+    if head is None or re.search(rb"[^0-9eE+\-.\s]", memoryview(data)[head.end() :]):
+        return None
+    n_vertices, n_faces = int(head[1]), int(head[2])
+    body = data[head.end() :]
+    ends = np.flatnonzero(np.frombuffer(body, np.uint8) == ord("\n"))
+    lines = len(ends) + (not body.endswith(b"\n"))
+    if min(n_faces, n_vertices) < 1 or lines != n_vertices + n_faces:
+        return None
+    if re.search(rb"[^0-9\s]", memoryview(body)[ends[n_vertices - 1] :]):
+        return None
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")  # words that are no numbers
+        try:
+            numbers = np.fromstring(body, np.float64, sep=" ")
+        except (DeprecationWarning, ValueError):
+            return None
+    if len(numbers) != 3 * n_vertices + 4 * n_faces:
+        return None
+    faces = numbers[3 * n_vertices :].reshape(-1, 4)
+    if (faces[:, 0] != 3.0).any() or faces.max() >= n_vertices + 3:
+        return None
+    corners = faces[:, 1:].astype(np.int64).reshape(-1)
+    return numbers[: 3 * n_vertices].reshape(-1, 3), corners
 
 
 def _without_keyword(path: Path, rows: list[Row], lines: list[int]) -> tuple[list[Row], list[int]]:

@@ -16,12 +16,23 @@ from pathlib import Path
 
 import numpy as np
 
-from moseg_core.io.read.checked import file_error, read_file, shape_from_polygons
+from moseg_core.io.read.checked import (
+    file_error,
+    read_file,
+    shape_from_polygons,
+    small_faces_note,
+)
 from moseg_core.io.read.clouds import shape_from_points
-from moseg_core.io.read.ply_elements import Numbers, PlyColumns, PlyLists, read_elements
+from moseg_core.io.read.ply_elements import (
+    Numbers,
+    PlyColumns,
+    PlyLists,
+    decode_elements,
+    read_elements,
+)
 from moseg_core.io.read.ply_header import parse_header
 from moseg_core.shape.shape import Shape
-from moseg_core.types import FloatArray, IntArray
+from moseg_core.types import BoolArray, FloatArray, IntArray
 
 _INDEX = re.compile(r"[0-9]{1,9}")
 _LISTS = ("vertex_indices", "vertex_index")
@@ -57,7 +68,7 @@ def read_ply(path: Path) -> Shape:
     1
     """
     data = read_file(path)
-    elements = read_elements(path, data, parse_header(path, data))
+    elements, notes = decode_elements(path, data, parse_header(path, data))
     vertices = _vectors(path, elements.get("vertex", {}), "xyz")
     if "tristrips" in elements:
         raise file_error(path, "holds triangle strips, not faces; export it with faces")
@@ -75,11 +86,33 @@ def read_ply(path: Path) -> Shape:
         names = ("nx", "ny", "nz")
         known = set(names) <= set(elements["vertex"])
         normals = _vectors(path, elements["vertex"], names) if known else None
-        return shape_from_points(path, vertices, normals=normals)
+        return shape_from_points(path, vertices, normals=normals, notes=notes)
     found = lists[0]
     if not isinstance(found, PlyLists) or found.values.dtype.kind not in "iu":
         raise file_error(path, "has vertex indices that are not lists of integers; export it again")
-    return shape_from_polygons(path, vertices, found.values.astype(np.int64), found.offsets)
+    corners, offsets = found.values.astype(np.int64), found.offsets
+    kept = whole_faces(offsets)
+    if not kept.all():
+        notes += small_faces_note(int((~kept).sum()), f"row {np.argmin(kept)} of the faces")
+        corners = corners[np.repeat(kept, np.diff(offsets))]
+        offsets = np.concatenate([[0], np.cumsum(np.diff(offsets)[kept])])
+    return shape_from_polygons(path, vertices, corners, offsets, notes=notes)
+
+
+def whole_faces(offsets: IntArray) -> BoolArray:
+    """Which faces have three corners at least; others are no elements, nor are their labels.
+
+    Parameters
+    ----------
+    offsets : (F + 1,) int
+        Of the lists of corners.
+
+    Examples
+    --------
+    >>> whole_faces(np.array([0, 3, 5])).tolist()
+    [True, False]
+    """
+    return np.diff(offsets) > 2
 
 
 def _count(column: Numbers | PlyLists) -> int:
@@ -125,7 +158,12 @@ def read_ply_labels(path: Path) -> IntArray | None:
         raise file_error(
             path, f"has a {bearer} property 'label' that is not one integer; export it as int"
         )
-    return column.astype(np.int64)
+    labels = column.astype(np.int64)
+    if bearer == "vertex":
+        return labels
+    lists = [elements["face"][name] for name in _LISTS if name in elements["face"]]
+    found = next((column for column in lists if isinstance(column, PlyLists)), None)
+    return labels if found is None else labels[whole_faces(found.offsets)]
 
 
 def read_ply_label_names(path: Path) -> dict[int, str]:

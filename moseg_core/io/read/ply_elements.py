@@ -38,6 +38,13 @@ PlyColumns: TypeAlias = dict[str, Numbers | PlyLists]
 
 
 def read_elements(path: Path, data: bytes, header: PlyHeader) -> dict[str, PlyColumns]:
+    """The rows of all elements; :func:`decode_elements` also tells what was passed over."""
+    return decode_elements(path, data, header)[0]
+
+
+def decode_elements(
+    path: Path, data: bytes, header: PlyHeader
+) -> tuple[dict[str, PlyColumns], list[str]]:
     """Decode the rows of all elements.
 
     Parameters
@@ -50,8 +57,10 @@ def read_elements(path: Path, data: bytes, header: PlyHeader) -> dict[str, PlyCo
 
     Returns
     -------
-    dict of dict
+    columns : dict of dict
         For each element, for each property an array of the rows' numbers, or their lists.
+    notes : list of str
+        That bytes behind the data were passed over: fewer than a row takes, or zeros.
 
     Raises
     ------
@@ -59,20 +68,28 @@ def read_elements(path: Path, data: bytes, header: PlyHeader) -> dict[str, PlyCo
         There are fewer or more data than the header announces, or words that are not numbers.
     """
     if header.order == "":
-        return _text_elements(path, data[header.size :], header)
+        return _text_elements(path, data[header.size :], header), []
     columns: dict[str, PlyColumns] = {}
     position = header.size
     for element in header.elements:
         columns[element.name], position = _binary_element(
             path, data, position, element, header.order
         )
-    if data[position:].strip():
-        raise file_error(
-            path,
-            f"holds more than its header announces (bytes over: {len(data) - position});"
-            " it is damaged, export it again",
-        )
-    return columns
+    over = data[position:]
+    if not over.strip():
+        return columns, []
+    if header.elements and (len(over) < _least(header.elements[-1]) or not over.strip(b"\0")):
+        return columns, [f"bytes behind the data: {len(over)}; passed over"]
+    raise file_error(
+        path,
+        f"holds more than its header announces (bytes over: {len(over)});"
+        " it is damaged, export it again",
+    )
+
+
+def _least(element: PlyElement) -> int:
+    """How many bytes a row takes, its lists empty; 0 where it has none."""
+    return sum(np.dtype(p.length or p.item).itemsize for p in element.properties)
 
 
 def _too_little(element: PlyElement, row: int) -> str:
@@ -148,7 +165,7 @@ def _binary_element(
     """Decode one element; also where the next begins."""
     if not element.properties:
         return {}, position
-    least = sum(np.dtype(p.length or p.item).itemsize for p in element.properties)
+    least = _least(element)
     if element.count * least > len(data) - position:
         raise file_error(path, _too_little(element, (len(data) - position) // least))
     uniform = _uniform_element(data, position, element, order)

@@ -3,6 +3,10 @@
 Binary files are told from text by their length, which their count of triangles determines, and
 not by their first word: binary files that begin with "solid" are common. Text files may hold
 several solids, which follow each other. Normals and the two attribute bytes are not used.
+
+Bytes behind the triangles that are no further triangles, a line's end or the padding of a block,
+are passed over with a note. Where they might be triangles the count is wrong, and the file is
+refused.
 """
 
 from __future__ import annotations
@@ -70,12 +74,18 @@ def read_stl(path: Path) -> Shape:
     data = read_file(path)
     count = int.from_bytes(data[_HEADER - 4 : _HEADER], "little")
     length = _HEADER + count * _TRIANGLE.itemsize
-    if len(data) == length:
-        table = np.frombuffer(data, _TRIANGLE, offset=_HEADER)
+    notes: list[str] = []
+    text = data.rstrip(b"\0\x1a")
+    if len(data) == length or (count > 0 and _padded(data, length)):
+        if len(data) > length:
+            notes.append(f"bytes behind the last triangle: {len(data) - length}; passed over")
+        table = np.frombuffer(data, _TRIANGLE, count, _HEADER)
         positions = table["corners"].reshape(-1, 3).astype(np.float64)
-    elif data.lstrip()[:5].lower() == b"solid" and b"\0" not in data:
-        regular = _regular_positions(data)
-        positions = _text_positions(path, data) if regular is None else regular
+    elif data.lstrip()[:5].lower() == b"solid" and b"\0" not in text:
+        if len(data) > len(text):
+            notes.append(f"bytes behind the text: {len(data) - len(text)}; passed over")
+        regular = _regular_positions(text)
+        positions = _text_positions(path, text) if regular is None else regular
     elif len(data) < _HEADER:
         raise file_error(
             path, f"is no STL file: {len(data)} bytes, and no 'solid' in front; export it again"
@@ -88,7 +98,15 @@ def read_stl(path: Path) -> Shape:
             " export it again",
         )
     corners = np.arange(len(positions))
-    return shape_from_polygons(path, positions, corners, np.arange(0, len(positions) + 1, 3))
+    return shape_from_polygons(
+        path, positions, corners, np.arange(0, len(positions) + 1, 3), notes=notes
+    )
+
+
+def _padded(data: bytes, length: int) -> bool:
+    """Whether what stands behind the triangles of a binary file is something else."""
+    over = data[length:]
+    return bool(over) and (not over.strip(b"\0\r\n \x1a") or len(over) % _TRIANGLE.itemsize != 0)
 
 
 def _regular_positions(data: bytes) -> FloatArray | None:

@@ -120,7 +120,11 @@ def test_variants_of_the_format_read_alike(text, as_file, polygons_of):
         (STRIP.replace("6/1/1 9/2/1", "6/1/1 x/2/1"), ", line 25: 'x' is not an integer"),
         (STRIP.replace("6/1/1 9/2/1", "6/1/1 /2/1"), ", line 25: '' is not an integer"),
         (STRIP.replace("6/1/1 9/2/1", "6/1/1 9.0/2/1"), ", line 25: '9.0' is not an integer"),
-        (STRIP.replace("6/1/1 9/2/1", "6/1/1"), ", line 25: a face needs at least 3 corners"),
+        (STRIP.replace("s off", "f"), ", line 22: a face needs at least 3 corners, this one has 0"),
+        (STRIP.replace("s off", "v0 1 2"), ", line 22: 'v0' is not a statement of an OBJ file"),
+        (STRIP.replace("s off", "7 1 2"), ", line 22: '7' is not a statement of an OBJ file"),
+        (STRIP + "f 1 2", ": the last face is cut off; export it again"),
+        ("v 0 0 0\nxyz 1\ne 2\n", ", line 2: 'xyz' is not a statement of an OBJ file"),
         (STRIP.replace("9/2/1", "0/2/1"), ", line 25: the face names vertex 0, but there are 10"),
         (STRIP.replace("9/2/1", "11/2/1"), ", line 25: the face names vertex 11, but there are"),
         (STRIP.replace("9/2/1", "-11/2/1"), ", line 25: the face names vertex -11, but there"),
@@ -129,6 +133,18 @@ def test_variants_of_the_format_read_alike(text, as_file, polygons_of):
 )
 def test_malformed_files_are_refused_with_the_reason(text, message, refusal):
     assert message in refusal(read_obj, "bad.obj", text)
+
+
+def test_what_is_unknown_or_no_face_is_passed_over_and_said(as_file, polygons_of):
+    more = "e 1 2\ne 2 3\nx_own 3\nf 1 2\nf 3\n"
+    shape = read_obj(as_file("more.obj", STRIP + more))
+    assert polygons_of(shape) == POLYGONS
+    last = len(STRIP.splitlines())
+    assert shape.notes[:3] == (
+        f"statement 'e' is unknown and passed over (2 times, first in line {last + 1})",
+        f"statement 'x_own' is unknown and passed over (once, first in line {last + 3})",
+        f"faces of fewer than three corners: 2, the first in line {last + 4}; they are passed over",
+    )
 
 
 def test_lines_behind_a_continued_one_keep_their_numbers(refusal):

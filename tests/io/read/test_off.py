@@ -112,7 +112,7 @@ def test_mixed_polygons_keep_their_order_and_stay_whole(as_file, polygons_of):
         (TETRAHEDRON.replace("3 1 2 3", "3 1 2 3.0"), ", line 9: '3.0' is not an integer"),
         (TETRAHEDRON.replace("3 1 2 3", "3 1 2 " + "9" * 30), ", line 9: '999999999999999999999"),
         (TETRAHEDRON.replace("3 1 2 3", "x 1 2 3"), ", line 9: 'x' is not an integer"),
-        (TETRAHEDRON.replace("3 1 2 3", "2 1 2"), ", line 9: a face needs at least 3 corners"),
+        (TETRAHEDRON.replace("3 1 2 3", "0"), ", line 9: a face needs at least 3 corners"),
         (TETRAHEDRON.replace("3 1 2 3", "4 1 2 3"), ", line 9: the face announces 4 corners and"),
         (TETRAHEDRON.replace("3 1 2 3", "3 1 2 3 red"), ", line 9: 'red' is not a number"),
         (TETRAHEDRON.replace("0 0 1.5", "0 0 0").replace("0 1 0", "2 0 0"), ": all 4 faces are"),
@@ -120,6 +120,22 @@ def test_mixed_polygons_keep_their_order_and_stay_whole(as_file, polygons_of):
 )
 def test_malformed_files_are_refused_with_the_reason(text, message, refusal):
     assert message in refusal(read_off, "bad.off", text)
+
+
+def test_faces_of_two_corners_are_passed_over(as_file, polygons_of):
+    shape = read_off(as_file("x.off", TETRAHEDRON.replace("3 1 2 3", "2 1 2")))
+    assert polygons_of(shape) == [FACES[0], FACES[1], FACES[3]]
+    assert shape.notes[0] == (
+        "faces of fewer than three corners: 1, the first in line 9; they are passed over"
+    )
+
+
+@pytest.mark.parametrize("number", ["1e0", "1.0", "+1", "0.1e1", "10E-1"])
+def test_plain_files_and_others_are_read_alike(number, as_file):
+    text = TETRAHEDRON.replace("1 0 0", f"{number} 0 0", 1)
+    plain, slow = (read_off(as_file("x.off", t)) for t in (text, text + "# slowly\n"))
+    np.testing.assert_array_equal(plain.geometry.vertices, slow.geometry.vertices)
+    np.testing.assert_array_equal(plain.geometry.corners, slow.geometry.corners)
 
 
 def test_a_file_that_is_not_there(tmp_path):

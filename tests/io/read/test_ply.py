@@ -127,11 +127,10 @@ def test_a_file_without_vertices_is_refused(refusal):
         (ASCII.replace("uchar int", "uchar float"), " has vertex indices that are not lists of in"),
         (ASCII.replace("element face", "element tristrips"), " holds triangle strips, not faces"),
         (ASCII.replace("1.5", "nan"), ": vertex 3 is not finite"),
-        (ASCII.replace("3 1 2 3", "2 1 2"), ": face 2 has 2 corners; a face needs at least 3"),
         (ASCII.replace("3 1 2 3", "3 1 2 4"), ": face 2 names vertex 4, but there are 4 vertices"),
         (mesh_file("binary_big_endian", VERTICES * np.nan), ": vertex 0 is not finite"),
         (mesh_file("binary_big_endian", faces=[[0, 1, 4]]), ": face 0 names vertex 4"),
-        (mesh_file("binary_big_endian", faces=[[0, 1, 2], [0, 1]]), ": face 1 has 2 corners"),
+        (mesh_file("binary_big_endian", faces=[[0, 1]]), " has no faces; export the shape with"),
     ],
 )  # fmt: skip
 def test_malformed_files_are_refused_with_the_reason(contents, message, refusal):
@@ -169,3 +168,16 @@ def test_damaged_bytes_are_read_or_refused(form, damages):
     contents = mesh_file(form, faces=[*FACES, [0, 1, 2, 3]], labels=range(5))
     assert damages(read_ply, "damaged.ply", contents) > 50
     assert damages(read_ply_labels, "damaged.ply", contents) > 50
+
+
+@pytest.mark.parametrize("form", FORMATS)
+def test_faces_of_two_corners_are_no_elements_nor_are_their_labels(form, as_file, polygons_of):
+    faces = [FACES[0], [0, 1], *FACES[1:]]
+    path = as_file("x.ply", mesh_file(form, faces=faces, labels=range(5)))
+    shape = read_ply(path)
+    assert polygons_of(shape) == FACES
+    assert shape.notes[0] == (
+        "faces of fewer than three corners: 1, the first in row 1 of the faces; they are"
+        " passed over"
+    )
+    assert read_ply_labels(path).tolist() == [0, 2, 3, 4]

@@ -88,7 +88,8 @@ def test_round_trip(data, binary, as_file, polygon_meshes):
         (b"not an STL file", " is no STL file: 15 bytes, and no 'solid' in front"),
         (b"x" * 200, " is cut off or damaged: "),
         (BINARY[:-1], " is cut off or damaged: 4 triangles take 284 bytes, and there are 283"),
-        (BINARY + b"\0", " does not match its header: 4 triangles take 284 bytes, and there are"),
+        (BINARY + b"x" * 50, " does not match its header: 4 triangles take 284 bytes, and there"),
+        (BINARY[:80] + bytes(4) + BINARY[84:], " does not match its header: 0 triangles take 84"),
         (encode_binary(TRIANGLES, b"solid")[:-9], " is cut off or damaged: 4 triangles take 284"),
         (encode_binary(TRIANGLES[:0]), " has no faces; export the shape with its faces"),
         ("solid nothing\nendsolid nothing\n", " has no faces; export the shape"),
@@ -132,3 +133,16 @@ def test_a_text_file_that_is_cut_off_is_never_read_in_part(accepted_cuts):
 def test_damaged_bytes_are_read_or_refused(damages):
     assert damages(read_stl, "damaged.stl", TEXT.encode()) > 100
     assert damages(read_stl, "damaged.stl", BINARY) > 1
+
+
+@pytest.mark.parametrize("over", [b"\0", b"\r\n", bytes(228), b"x" * 49, b"made by hand" * 9])
+def test_bytes_behind_the_triangles_are_passed_over(over, as_file):
+    shape = read_stl(as_file("over.stl", BINARY + over))
+    np.testing.assert_array_equal(corners_of(shape), TRIANGLES)
+    assert shape.notes[0] == f"bytes behind the last triangle: {len(over)}; passed over"
+
+
+def test_bytes_behind_a_text_are_passed_over(as_file):
+    shape = read_stl(as_file("over.stl", TEXT.encode() + bytes(7)))
+    np.testing.assert_array_equal(corners_of(shape), TRIANGLES)
+    assert shape.notes[0] == "bytes behind the text: 7; passed over"
