@@ -23,8 +23,8 @@ def load(path: str | os.PathLike[str], *, source: Registry | None = None) -> Sha
     Parameters
     ----------
     path : path-like
-        A mesh (OFF, PLY, OBJ, STL, GLB), a point cloud (PLY without faces, XYZ, CSV) or a voxel
-        grid (NPY, BINVOX), by suffix, or what installed bundles add.
+        A mesh (OFF, PLY, OBJ, STL, GLB, GLTF), a point cloud (PLY without faces, text, NPY) or a
+        voxel grid (NPY, BINVOX), by suffix, or what installed bundles add.
     source : Registry, optional
         Where to look for readers.
 

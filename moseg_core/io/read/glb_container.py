@@ -1,9 +1,11 @@
-"""The container of a GLB file: a JSON document, a block of bytes, and arrays that lie in it.
+"""The container of a glTF file: a JSON document, blocks of bytes, and arrays that lie in them.
 
-A binary glTF 2.0 file is a header of 12 bytes and chunks, the first of JSON. The document
-describes arrays ("accessors") as stretches ("views") of the binary chunk. This module takes the
-file apart and hands out those arrays, checked against the bytes that are there;
-:mod:`moseg_core.io.read.glb_scene` walks the scene and knows what they mean.
+A binary glTF 2.0 file (``.glb``) is a header of 12 bytes and chunks, the first of JSON; a ``.gltf``
+file is the JSON alone. The document describes arrays ("accessors") as stretches ("views") of
+buffers: the binary chunk, bytes within the document, or files beside it
+(:mod:`moseg_core.io.read.gltf_buffers`). This module takes the file apart and hands out those
+arrays, checked against the bytes that are there; :mod:`moseg_core.io.read.glb_scene` walks the
+scene and knows what they mean.
 
 Nothing in the document is trusted: every member is fetched through a function that knows which
 kind of value the format asks for and says which one is wrong.
@@ -13,7 +15,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -22,6 +24,7 @@ import numpy.typing as npt
 
 from moseg_core.errors import ShapeError
 from moseg_core.io.read.checked import file_error
+from moseg_core.io.read.gltf_buffers import read_buffer
 from moseg_core.types import FloatArray
 
 Json: TypeAlias = Mapping[str, Any]
@@ -31,14 +34,18 @@ _WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "
 
 # Required extensions that say nothing about which triangles there are or where.
 _HARMLESS = (
-    "EXT_lights_", "EXT_texture_", "KHR_animation_pointer", "KHR_lights_", "KHR_materials_",
-    "KHR_mesh_quantization", "KHR_texture_", "KHR_xmp",
+    "EXT_lights_", "EXT_mesh_features", "EXT_structural_metadata", "EXT_texture_",
+    "KHR_animation_pointer", "KHR_lights_", "KHR_materials_", "KHR_mesh_quantization",
+    "KHR_texture_", "KHR_xmp", "VRM",
 )  # fmt: skip
+_COMPRESSED = (
+    "open it in a program that reads it, such as Blender, and export it without compression"
+)
 
 
 @dataclass(frozen=True, eq=False)
 class GlbFile:
-    """A GLB file taken apart; build one with :meth:`parse`.
+    """A glTF file taken apart; build one with :meth:`parse`.
 
     Parameters
     ----------
@@ -48,11 +55,15 @@ class GlbFile:
         The JSON chunk.
     binary : bytes
         The binary chunk; empty where there is none.
+    notes : tuple of str
+        What was passed over.
     """
 
     path: Path
     document: Json
     binary: bytes
+    notes: tuple[str, ...] = ()
+    _buffers: dict[int, bytes] = field(default_factory=dict, repr=False)
 
     @classmethod
     def parse(cls, path: Path, data: bytes) -> GlbFile:
@@ -61,48 +72,65 @@ class GlbFile:
         Raises
         ------
         ShapeError
-            They are not a whole GLB file of version 2, or one that needs an extension which
+            They are not a whole glTF file of version 2, or one that needs an extension which
             moseg does not know.
         """
         if data[:4] != b"glTF":
-            raise file_error(
-                path, "is not a GLB file (no 'glTF' at the beginning); export it as binary glTF"
-            )
+            if data.removeprefix(b"\xef\xbb\xbf").lstrip()[:1] != b"{":
+                raise file_error(
+                    path, "is not a GLB file (no 'glTF' at the beginning); export it as binary glTF"
+                )
+            return cls._checked(cls(path, _document(path, data), b""))
         if len(data) < 20:
             raise file_error(path, "ends within its header; it is cut off, export it again")
         version, length = _uint32(data, 4), _uint32(data, 8)
         if version != 2:
             raise file_error(path, f"has glTF version {version}; export it as version 2")
-        if length != len(data):
+        if not 20 <= length <= len(data):
             raise file_error(
                 path,
                 f"announces {length} bytes, but there are {len(data)};"
                 " it is cut off or damaged, export it again",
             )
+        notes: tuple[str, ...] = ()
+        if length < len(data):
+            notes = (f"bytes behind the end of the file: {len(data) - length}; passed over",)
         chunks: list[tuple[bytes, bytes]] = []
         at = 12
         while at < length:
+            rest = data[at:length]
+            if len(rest) < 8 or not rest.strip(b"\0 \r\n"):
+                notes = (*notes, f"bytes behind the last chunk: {len(rest)}; passed over")
+                break
             end = at + 8 + _uint32(data, at)
-            if at + 8 > length or end > length:
+            if end > length:
                 raise file_error(
                     path, "has a chunk that runs past its end; it is damaged, export it again"
                 )
             chunks.append((data[at + 4 : at + 8], data[at + 8 : end]))
             at = end
-        if chunks[0][0] != b"JSON":
+        if not chunks or chunks[0][0] != b"JSON":
             raise file_error(path, "does not begin with a JSON chunk; it is damaged")
-        try:
-            document = json.loads(chunks[0][1])
-        except (ValueError, RecursionError) as error:
-            raise file_error(path, f"has damaged JSON ({error}); export it again") from error
         binary = chunks[1][1] if len(chunks) > 1 and chunks[1][0] == b"BIN\0" else b""
-        if not isinstance(document, dict):
-            raise file_error(path, "has JSON that is no object; it is damaged, export it again")
-        parsed = cls(path, document, binary)
-        for extension in parsed.members(document, "extensionsRequired"):
-            if not str(extension).startswith(_HARMLESS):
-                raise file_error(path, f"needs the extension {extension}; export it without")
+        return cls._checked(cls(path, _document(path, chunks[0][1]), binary, notes))
+
+    @classmethod
+    def _checked(cls, parsed: GlbFile) -> GlbFile:
+        """The file, unless it says itself that moseg cannot read it."""
+        version = parsed.mapping(parsed.document, "asset").get("version", "2.0")
+        if not str(version).startswith("2"):
+            raise file_error(parsed.path, f"has glTF version {version}; export it as version 2")
+        for extension in map(str, parsed.members(parsed.document, "extensionsRequired")):
+            if not extension.startswith(_HARMLESS):
+                raise parsed.unreadable(extension)
         return parsed
+
+    def unreadable(self, extension: str) -> ShapeError:
+        """The error that the file needs an extension that moseg does not know."""
+        compressed = "draco" in extension or "meshopt" in extension
+        what = "is compressed with" if compressed else "needs the extension"
+        remedy = _COMPRESSED if compressed else "export it without"
+        return file_error(self.path, f"{what} {extension}; {remedy}")
 
     def damaged(self, what: str) -> ShapeError:
         """The error that the document is not glTF, with what is wrong in it."""
@@ -171,7 +199,11 @@ class GlbFile:
         accessor = self.item("accessors", index)
         name = f"accessors[{index}]"
         if "sparse" in accessor:
-            raise file_error(self.path, f"has sparse data ({name}); export it without")
+            raise file_error(
+                self.path,
+                f"has a sparse accessor ({name}); open it in a program that reads it, such as"
+                f" Blender, and export it again",
+            )
         if "bufferView" not in accessor:
             raise self.damaged(f"{name} has no data")
         component = self.integer(accessor, "componentType")
@@ -198,21 +230,39 @@ class GlbFile:
         view = self.item("bufferViews", index)
         for extension in self.mapping(view, "extensions"):
             if extension.endswith("meshopt_compression"):
-                raise file_error(
-                    self.path, f"is compressed ({extension}); export it without compression"
-                )
+                raise self.unreadable(extension)
         number = self.integer(view, "buffer")
-        buffer = self.item("buffers", number)
-        if number != 0 or "uri" in buffer:
-            raise file_error(
-                self.path, "keeps its data in another file; export it as one self-contained .glb"
-            )
+        held = self._buffer(number)
         start = self.integer(view, "byteOffset", 0)
         end = start + self.integer(view, "byteLength")
-        held = min(self.integer(buffer, "byteLength"), len(self.binary))
-        if end > held:
+        if end > len(held):
             raise self.damaged(f"bufferViews[{index}] reaches past the end of the data")
-        return self.binary[start:end], self.integer(view, "byteStride", 0)
+        return held[start:end], self.integer(view, "byteStride", 0)
+
+    def _buffer(self, number: int) -> bytes:
+        """The bytes of a buffer, as many as the document says at most."""
+        if number not in self._buffers:
+            buffer = self.item("buffers", number)
+            length = self.integer(buffer, "byteLength")
+            if "uri" in buffer:
+                data = read_buffer(self.path, buffer["uri"], length)
+            elif number == 0:
+                data = self.binary[:length]
+            else:
+                raise self.damaged(f"buffers[{number}] is nowhere")
+            self._buffers[number] = data
+        return self._buffers[number]
+
+
+def _document(path: Path, text: bytes) -> Json:
+    """The JSON of a file."""
+    try:
+        document = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise file_error(path, f"has damaged JSON ({error}); export it again") from error
+    if not isinstance(document, dict):
+        raise file_error(path, "has JSON that is no object; it is damaged, export it again")
+    return document
 
 
 def _uint32(data: bytes, at: int) -> int:

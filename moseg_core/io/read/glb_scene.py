@@ -1,4 +1,4 @@
-"""GLB files: the triangles of a scene, in the order in which the scene lists them.
+"""glTF files: the triangles of a scene, in the order in which the scene lists them.
 
 A glTF scene is a forest of nodes, each with a placement relative to its parent and perhaps a
 mesh; a mesh is a list of primitives (stretches of one material). The elements of the shape are
@@ -10,12 +10,14 @@ the triangles, and their order is that of the document, whatever the names:
 
 The scene is the default one, or the first where the file names no default; a file without
 scenes shows all nodes that are nobody's child, in order. Points and lines are left out. Skins,
-morph targets and animations are not applied: a mesh stands where its node stands, in the pose in
-which it was modelled. A mirroring placement turns its triangles over so that outsides stay out.
+morph targets and animations are not applied: a mesh is read in the pose in which it was modelled,
+and stands where its node stands. One with a skin does not: its joints place it, and the format
+says to ignore its node. A mirroring placement turns its triangles over so that outsides stay out.
 """
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -27,12 +29,13 @@ from moseg_core.shape.shape import Shape
 from moseg_core.types import FloatArray, IntArray
 
 _TRIANGLES, _STRIP, _FAN = 4, 5, 6
+_NO_SURFACE = (0, 1, 2, 3)  # points and lines
 _COMPRESSED = "KHR_draco_mesh_compression"
 _INSTANCED = "EXT_mesh_gpu_instancing"
 
 
 def read_glb(path: Path) -> Shape:
-    """Read a binary glTF file: one element per triangle, in the order of the scene.
+    """Read a glTF file, ``.glb`` or ``.gltf``: one element per triangle, in the scene's order.
 
     Parameters
     ----------
@@ -46,8 +49,8 @@ def read_glb(path: Path) -> Shape:
     Raises
     ------
     ShapeError
-        The file cannot be read, is no whole GLB file, keeps its geometry compressed or in
-        other files, or shows no triangles; says why.
+        The file cannot be read, is no whole glTF file, keeps its geometry compressed or outside
+        of its folder, or shows no triangles; says why.
 
     Examples
     --------
@@ -62,7 +65,9 @@ def read_glb(path: Path) -> Shape:
     points: list[FloatArray] = [np.empty((0, 3))]
     corners: list[IntArray] = [np.empty((0, 3), np.int64)]
     n_points = 0
-    for _, mesh, placement in _placed_meshes(glb):
+    found: Counter[tuple[str, str]] = Counter()
+    for node, mesh, placement in _placed_meshes(glb):
+        found.update(_left_out(glb, node, mesh))
         for vertices, triangles in _primitives(glb, mesh):
             if np.linalg.det(placement[:3, :3]) < 0:
                 triangles = triangles[:, [0, 2, 1]]
@@ -70,7 +75,13 @@ def read_glb(path: Path) -> Shape:
             corners.append(triangles + n_points)
             n_points += len(vertices)
     flat = np.concatenate(corners).reshape(-1)
-    return shape_from_polygons(path, np.concatenate(points), flat, np.arange(0, len(flat) + 1, 3))
+    return shape_from_polygons(
+        path,
+        np.concatenate(points),
+        flat,
+        np.arange(0, len(flat) + 1, 3),
+        notes=[*glb.notes, *(f"{what}: {count}; {done}" for (what, done), count in found.items())],
+    )
 
 
 def read_glb_names(path: Path) -> tuple[IntArray, tuple[str, ...]]:
@@ -123,8 +134,28 @@ def _placed_meshes(glb: GlbFile) -> Iterator[tuple[Json, Json, FloatArray]]:
         with np.errstate(over="ignore", invalid="ignore"):
             placement = parent @ _local_placement(glb, node)
         if "mesh" in node:
-            yield node, glb.item("meshes", node["mesh"]), placement
+            stands = np.eye(4) if "skin" in node else placement
+            yield node, glb.item("meshes", node["mesh"]), stands
         stack.extend((child, placement) for child in reversed(glb.members(node, "children")))
+
+
+def _left_out(glb: GlbFile, node: Json, mesh: Json) -> Iterator[tuple[str, str]]:
+    """What there is in a node that does not come to the shape, and what is done instead."""
+    if "skin" in node:
+        yield (
+            "meshes with a skin",
+            "read in the pose in which they were modelled, without the placement of their nodes",
+        )
+    primitives = [p for p in glb.members(mesh, "primitives") if isinstance(p, dict)]
+    if any("targets" in primitive for primitive in primitives):
+        weights = glb.members(node, "weights") or glb.members(mesh, "weights")
+        done = "read without them"
+        if any(weight != 0 for weight in weights):
+            done += ", though the file shows some of them"
+        yield "meshes with morph targets", done
+    for primitive in primitives:
+        if primitive.get("mode", _TRIANGLES) in _NO_SURFACE:
+            yield "lists of points or lines", "passed over"
 
 
 def _roots(glb: GlbFile) -> list[object]:
@@ -177,11 +208,13 @@ def _primitives(glb: GlbFile, mesh: Json) -> Iterator[tuple[FloatArray, IntArray
         mode = glb.integer(primitive, "mode", _TRIANGLES)
         if mode not in (_TRIANGLES, _STRIP, _FAN):
             continue
-        if _COMPRESSED in glb.mapping(primitive, "extensions"):
-            raise file_error(
-                glb.path, f"is compressed ({_COMPRESSED}); export it without compression"
-            )
-        vertices = glb.array(glb.mapping(primitive, "attributes").get("POSITION"))
+        position = glb.mapping(primitive, "attributes").get("POSITION")
+        # Beside compressed data a file may hold the same again, for those that cannot read them.
+        if _COMPRESSED in glb.mapping(primitive, "extensions") and (
+            "bufferView" not in glb.item("accessors", position)
+        ):
+            raise glb.unreadable(_COMPRESSED)
+        vertices = glb.array(position)
         if vertices.shape[1] != 3:
             raise glb.damaged("positions must have three coordinates")
         indices = np.arange(len(vertices))

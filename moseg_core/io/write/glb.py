@@ -7,7 +7,9 @@ where one vertex would need several normals. What glTF asks for and files seldom
 are stored in proportion to light, not as sRGB values, so that viewers show the colours of the
 picture.
 
-Coordinates are the user's own, without a turn to the y-up of glTF, in single precision. Labels
+Coordinates are the user's own, without a turn to the y-up of glTF. The format holds them in single
+precision, of which a shape far from the origin, on a map for example, would lose all that matters:
+so positions are those relative to the middle of the shape, and every node is placed there. Labels
 cannot be recovered from this file in the order of the input; the PLY file is for that.
 """
 
@@ -78,6 +80,9 @@ def encode_glb(
     while root in names:
         root += "_"
     scene = trimesh.Scene(base_frame=root)
+    used = mesh.vertices[mesh.corners]
+    placement = np.eye(4)
+    placement[:3, 3] = (used.min(axis=0) + used.max(axis=0)) / 2.0
     for k, name in enumerate(names):
         chosen = part == k
         if not chosen.any():
@@ -92,7 +97,7 @@ def encode_glb(
         )
         scene.add_geometry(
             trimesh.Trimesh(
-                vertices=vertices,
+                vertices=vertices - placement[:3, 3],
                 faces=faces,
                 vertex_normals=vertex_normals,
                 visual=TextureVisuals(material=material),  # type: ignore[no-untyped-call]
@@ -100,6 +105,7 @@ def encode_glb(
             ),
             node_name=name,
             geom_name=name,
+            transform=placement,
         )
     glb = scene.export(file_type="glb", include_normals=True)  # type: ignore[no-untyped-call]
     return bytes(glb)

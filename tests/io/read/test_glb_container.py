@@ -12,11 +12,14 @@ from tests.io.read.glb_files import one_node, pack
     ("contents", "message"),
     [
         (b"", " is empty; export it again"),
-        (b'{"asset": {}}', " is not a GLB file (no 'glTF' at the beginning)"),
+        (b"PK\3\4", " is not a GLB file (no 'glTF' at the beginning)"),
+        (b'{"asset": {}}', " has no faces"),
+        (b'{"asset": {"version": "1.0"}}', " has glTF version 1.0; export it as version 2"),
+        (b"{]", " has damaged JSON ("),
         (b"glTF\2\0\0\0", " ends within its header; it is cut off"),
         (b"glTF\1" + one_node()[5:], " has glTF version 1; export it as version 2"),
         (one_node()[:-1], " bytes, but there are "),
-        (one_node() + b"\0", " bytes, but there are "),
+        (one_node()[:8] + b"\x0c\0\0\0" + one_node()[12:], " bytes, but there are "),
         (
             one_node()[:12] + b"\xff\xff\0\0" + one_node()[16:],
             " has a chunk that runs past its end",
@@ -36,3 +39,13 @@ def test_containers_that_are_wrong_are_refused_with_the_reason(contents, message
 def test_a_file_that_is_cut_off_is_never_read(accepted_cuts):
     contents = one_node()
     assert accepted_cuts(read_glb, "cut.glb", contents, range(0, len(contents), 2)) == {}
+
+
+def test_bytes_behind_the_end_are_passed_over(as_file):
+    plain = one_node()
+    shape = read_glb(as_file("more.glb", plain + b"anything"))
+    assert shape.n_elements == 4
+    assert shape.notes[0] == "bytes behind the end of the file: 8; passed over"
+    longer = plain[:8] + (len(plain) + 6).to_bytes(4, "little") + plain[12:] + bytes(6)
+    shape = read_glb(as_file("more.glb", longer))
+    assert shape.notes[0] == "bytes behind the last chunk: 6; passed over"

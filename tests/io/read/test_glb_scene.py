@@ -179,19 +179,22 @@ PRIMITIVE = ("meshes", 0, "primitives", 0)
     [
         (put("extensionsRequired", ["XX_magic"]), " needs the extension XX_magic; export it with"),
         (
-            put(*PRIMITIVE, "extensions", {"KHR_draco_mesh_compression": {}}),
-            " is compressed (KHR_draco_mesh_compression); export it without compression",
+            lambda document: (
+                put(*PRIMITIVE, "extensions", {"KHR_draco_mesh_compression": {}})(document),
+                document["accessors"][0].pop("bufferView"),
+            ),
+            " is compressed with KHR_draco_mesh_compression; open it in a program that reads it",
         ),
         (
             put("bufferViews", 0, "extensions", {"EXT_meshopt_compression": {}}),
-            " is compressed (EXT_meshopt_compression)",
+            " is compressed with EXT_meshopt_compression; open it in a program that reads it",
         ),
         (
             put("nodes", 0, "extensions", {"EXT_mesh_gpu_instancing": {}}),
             " uses the extension EXT_mesh_gpu_instancing; export it without",
         ),
-        (put("buffers", 0, "uri", "a.bin"), " keeps its data in another file; export it as one"),
-        (put("accessors", 0, "sparse", {}), " has sparse data (accessors[0]); export it without"),
+        (put("buffers", 0, "uri", "a.bin"), " keeps its data in 'a.bin', which is not there;"),
+        (put("accessors", 0, "sparse", {}), " has a sparse accessor (accessors[0]); open"),
         (put("nodes", []), " has no faces; export the shape with its faces"),
         (put(*PRIMITIVE, "mode", 0), " has no faces; export the shape with its faces"),
         (put("nodes", 0, "mesh", 1), " is damaged: 1 names none of the 1 meshes; export it again"),
@@ -247,6 +250,41 @@ def test_a_long_chain_of_nodes_is_walked(as_file):
 
 def test_damaged_bytes_are_read_or_refused(damages):
     assert damages(read_glb, "damaged.glb", one_node(scale=[1, 2, 3])) > 100
+
+
+def test_a_skinned_mesh_is_not_placed_by_its_node(as_file):
+    shape = read_glb(as_file("skin.glb", one_node(skin=0, translation=[9, 9, 9], scale=[2, 2, 2])))
+    np.testing.assert_array_equal(shape.geometry.vertices, CORNERS)
+    assert shape.notes[0].startswith("meshes with a skin: 1; read in the pose in which")
+
+
+@pytest.mark.parametrize(
+    ("weights", "says"),
+    [(None, "read without them"), ([0, 0], "read without them"), ([0, 0.5], "shows some of them")],
+)
+def test_morph_targets_are_not_applied(weights, says, as_file):
+    document, binary = glb([[TETRAHEDRON]], [{"mesh": 0}])
+    document["meshes"][0]["primitives"][0]["targets"] = [{"POSITION": 0}, {"POSITION": 0}]
+    if weights is not None:
+        document["meshes"][0]["weights"] = weights
+    shape = read_glb(as_file("morph.glb", pack(document, binary)))
+    np.testing.assert_array_equal(shape.geometry.vertices, CORNERS)
+    assert shape.notes[0].startswith("meshes with morph targets: 1; read without them")
+    assert shape.notes[0].endswith(says)
+
+
+def test_compressed_data_are_not_needed_where_the_plain_ones_are_there(as_file):
+    def edit(document):
+        extensions = {"KHR_draco_mesh_compression": {"bufferView": 0, "attributes": {}}}
+        document["meshes"][0]["primitives"][0]["extensions"] = extensions
+
+    assert read_glb(as_file("both.glb", changed(edit))).n_elements == 4
+
+
+def test_points_and_lines_are_said_to_be_passed_over(as_file):
+    lines = {**TETRAHEDRON, "mode": 1}
+    shape = read_glb(as_file("l.glb", pack(*glb([[TETRAHEDRON, lines]], [{"mesh": 0}]))))
+    assert (shape.n_elements, shape.notes[0]) == (4, "lists of points or lines: 1; passed over")
 
 
 def test_triangles_are_labelled_by_the_nodes_they_belong_to(as_file):

@@ -8,12 +8,14 @@ import os
 import struct
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
 import trimesh
 
 from moseg_core.errors import ShapeError, UsageError
+from moseg_core.io.read.glb_scene import read_glb
 from moseg_core.io.write.glb import encode_glb
 from moseg_core.shape.mesh import PolygonMesh
 from moseg_core.view.palette import linear_light
@@ -56,7 +58,9 @@ def test_each_part_is_a_node_and_a_mesh():
     for node in scene.graph.nodes_geometry:
         transform, geometry = scene.graph[node]
         assert geometry == node
-        np.testing.assert_array_equal(transform, np.eye(4))
+        # Positions are those relative to the middle of the jar.
+        np.testing.assert_allclose(transform[:3, 3], [0, 0, 1.5], atol=1e-15)
+        np.testing.assert_array_equal(transform[:3, :3], np.eye(3))
     tree = tree_of(data)
     assert [node["name"] for node in tree["nodes"]] == ["body", "lid"]
     assert [part["name"] for part in tree["meshes"]] == ["body", "lid"]
@@ -79,7 +83,8 @@ def test_triangles_keep_their_order():
     mesh, labels = jar()
     scene = scene_of(encode_glb(mesh, labels, NAMES, COLORS))
     expected = mesh.vertices[mesh.triangles[labels[mesh.triangle_polygon] == 0]]
-    np.testing.assert_allclose(scene.geometry["body"].triangles, expected, atol=1e-6)
+    found = scene.geometry["body"].triangles + np.array([0, 0, 1.5])
+    np.testing.assert_allclose(found, expected, atol=1e-6)
 
 
 def test_vertices_are_compact_and_doubled_along_creases_only():
@@ -175,3 +180,13 @@ def test_what_is_refused():
         encode_glb(mesh, labels, NAMES, COLORS[:2])
     with pytest.raises(ShapeError, match="has the label 2; allowed are 0 to 1"):
         encode_glb(mesh, labels, NAMES[:2], COLORS[:2])
+
+
+def test_far_from_the_origin_nothing_is_lost(tmp_path):
+    mesh, labels = jar()
+    far = replace(mesh, vertices=mesh.vertices + np.array([5.6e6, -6e5, 250.0]))
+    path = tmp_path / "far.glb"
+    path.write_bytes(encode_glb(far, labels, NAMES, COLORS))
+    places = read_glb(path).geometry.vertices
+    distance = np.linalg.norm(places[:, None] - far.vertices[None], axis=2).min(axis=1)
+    assert distance.max() < 1e-6
