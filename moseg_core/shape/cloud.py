@@ -95,7 +95,7 @@ class PointCloud(Geometry):
         Examples
         --------
         >>> corner = PointCloud.from_points([[0, 0, 0], [np.nan, 0, 0], [1, 0, 0], [0, 1, 0]])
-        >>> corner.n_elements, len(corner.triangles), corner.areas[1]
+        >>> corner.n_elements, len(corner.triangles), float(corner.areas[1])
         (4, 0, 0.0)
         """
         places = _rows("points", points)

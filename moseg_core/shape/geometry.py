@@ -82,10 +82,10 @@ class Geometry:
 
     @cached_property
     def merged(self) -> IntArray:
-        """(V,) int: for each vertex the number of its position (:class:`Positions`)."""
-        return self.positions.number
+        """(V,) int: for each vertex the number of its position (:mod:`moseg_core.shape.positions`)."""
+        return self._positions.number
 
     @cached_property
-    def positions(self) -> Positions:
+    def _positions(self) -> Positions:
         """Which vertices are at one position."""
         return find_positions(self.vertices)

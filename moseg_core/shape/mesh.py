@@ -138,9 +138,13 @@ class PolygonMesh(Geometry):
         """Of the bounding box of all corners, model units."""
         return math.hypot(*np.ptp(self.vertices[self.corners], axis=0))
 
+    @property
+    def n_near(self) -> int:
+        """How many different places were joined with another because they are near."""
+        return self._positions.n_near
+
     @cached_property
-    def positions(self) -> Positions:
-        """Which vertices are at one position."""
+    def _positions(self) -> Positions:
         return find_positions(self.vertices, self.tolerance)
 
     @property

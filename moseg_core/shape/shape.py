@@ -117,7 +117,7 @@ class Shape(ShapeData):
         used, taken = np.zeros((2, len(mesh.vertices)), np.bool_)
         used[mesh.corners] = True
         taken[mesh.merged[used]] = True
-        near = mesh.positions.n_near
+        near = mesh.n_near
         duplicates = int(used.sum() - taken.sum()) - near
         notes = [f"{duplicates} duplicate vertices, joined by position"] if duplicates > 0 else []
         if near:

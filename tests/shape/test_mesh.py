@@ -145,11 +145,11 @@ def test_how_near_vertices_are_joined_is_a_share_of_the_diagonal():
     mesh = PolygonMesh.from_faces(crack, faces)
     assert mesh.tolerance == pytest.approx(5e-6)
     assert mesh.merged[1] == mesh.merged[3]
-    assert mesh.positions.n_near == 1
+    assert mesh.n_near == 1
     assert mesh.vertices.tolist() == crack  # none is moved
     exact = mesh.welded(0.0)
     assert exact.merged[1] != exact.merged[3]
-    assert PolygonMesh.from_faces(crack, faces, weld=1e-9).positions.n_near == 0
+    assert PolygonMesh.from_faces(crack, faces, weld=1e-9).n_near == 0
     for wrong in (-1e-9, 0.2, np.nan):
         with pytest.raises(UsageError, match="a share of the diagonal from 0 to"):
             mesh.welded(wrong)
