@@ -82,7 +82,7 @@ class Geometry:
 
     @cached_property
     def merged(self) -> IntArray:
-        """(V,) int: for each vertex the number of its position (:mod:`moseg_core.shape.positions`)."""
+        """(V,) int: number of each vertex's position (:mod:`moseg_core.shape.positions`)."""
         return self._positions.number
 
     @cached_property
