@@ -37,6 +37,7 @@ from moseg_core.search.exchange import best_order
 from moseg_core.search.pieces import on_large_pieces
 from moseg_core.search.refinement import ReadyRefiner, Refinement
 from moseg_core.search.restarts import (
+    FINER,
     Listener,
     Plan,
     carry_out,
@@ -209,17 +210,14 @@ def solve(
     lacking = "" if refiner is None else refiner.check(whole)
     listener = Listener(report or never_stop)
 
-    grouped = searched_shape(embedded, settled.resolution, pinned)
-    coarse = whole
-    if grouped is not embedded:
-        partition = make_partition(ready["parameterization"], grouped, problem)
-        coarse = ProblemEvaluator(
-            grouped, problem, partition, pins=coarse_pins(pinned, grouped), input=whole
-        )
+    coarse = fine = _on_level(whole, settled.resolution, ready["parameterization"])
+    if coarse is not whole:
+        fine = _on_level(whole, FINER * int(settled.resolution), ready["parameterization"])
         if settled.settings == "default":
             ready["optimizer"] = ready["optimizer"].tuned("coarse")
     plan = Plan(
         coarse=coarse,
+        fine=fine,
         whole=whole,
         ready=shared_budget(ready, settled.restarts),
         restarts=settled.restarts,
@@ -251,6 +249,18 @@ def solve(
         failure.result = result
         raise failure
     return result
+
+
+def _on_level(
+    whole: ProblemEvaluator, resolution: int | str, parameterization: PreparedComponent
+) -> ProblemEvaluator:
+    """The evaluator on about so many super-elements; the same where those would hardly be fewer."""
+    level = searched_shape(whole.shape, resolution, whole.pins)
+    if level is whole.shape:
+        return whole
+    partition = make_partition(parameterization, level, whole.problem)
+    pins = coarse_pins(whole.pins, level)
+    return ProblemEvaluator(level, whole.problem, partition, pins=pins, input=whole)
 
 
 def _labelled(whole: ProblemEvaluator, best: RunOutcome) -> Refinement:

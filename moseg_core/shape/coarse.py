@@ -15,7 +15,9 @@ one.
 Pieces grow from seeds along the graph (:mod:`moseg_core.shape.grow`). Seeds are first spread
 over the surface by area along a space-filling curve, then moved to the middle of their pieces a
 few times. Where the adjacency is not known, or the surface is in very many bits, elements
-near each other in space count as touching for this purpose.
+near each other in space count as touching for this purpose. A large mesh is grouped in two steps,
+by way of :data:`MIDDLE` super-elements, and what was grouped is kept with the shape: fields, search
+and polish ask for several numbers of super-elements of one shape.
 """
 
 from __future__ import annotations
@@ -31,6 +33,10 @@ from moseg_core.shape.pins import NO_PINS, Pins
 from moseg_core.shape.shape import Shape
 from moseg_core.types import FloatArray, Int32Array, IntArray
 
+MIDDLE = 40_000
+"""By way of so many super-elements shapes of clearly more elements are grouped."""
+
+_WORTH = 1.5
 _ROUNDS = 3
 _NEAR = 6
 
@@ -62,17 +68,40 @@ def coarsen(shape: Shape, n_elements: int = 2000, *, pins: Pins = NO_PINS) -> Sh
     >>> coarse.n_elements, coarse.resolution, int(coarse.sizes.sum()) == horse.n_elements
     (500, 'coarse500', True)
     """
+    key = ("coarse", n_elements, pins.elements.tobytes(), pins.labels.tobytes())
+    if key not in shape.made_from:
+        resolution = f"coarse{n_elements}"
+        members = _in_two_steps(shape, n_elements, pins)
+        shape.made_from[key] = grouped(shape, members, resolution)
+    kept: Shape = shape.made_from[key]
+    return kept
+
+
+def _in_two_steps(shape: Shape, n: int, pins: Pins) -> IntArray:
+    """(F,) int: the group of each element; of a large shape, of groups of its elements."""
+    if shape.n_elements <= _WORTH * MIDDLE or n > MIDDLE // 2:
+        return _in_one_step(shape, n, pins)
+    middle = coarsen(shape, MIDDLE, pins=pins)
+    assert middle.members is not None  # a coarse shape
+    if shape.n_elements <= _WORTH * middle.n_elements:  # a surface in very many bits
+        return _in_one_step(shape, n, pins)
+    groups: IntArray = _in_one_step(middle, n, coarse_pins(pins, middle))[middle.members]
+    return groups
+
+
+def _in_one_step(shape: Shape, n: int, pins: Pins) -> IntArray:
+    """(F,) int: the group of each element, numbered from 0."""
     from moseg_core.shape.grow import grow_pieces, middle_elements
 
     points = np.ascontiguousarray(shape.unit_points)
-    graph = _graph(shape, n_elements)
+    graph = _graph(shape, n)
     members = np.empty(shape.n_elements, np.int64)
-    seeds = _spread(points, shape.areas, n_elements)
+    seeds = _spread(points, shape.areas, n)
     for _ in range(_ROUNDS):
         pieces = grow_pieces(points, graph.indptr, graph.indices, seeds, members)
         seeds = middle_elements(points, shape.areas, members, pieces)
     grow_pieces(points, graph.indptr, graph.indices, seeds, members)
-    return grouped(shape, _separate(members, pins, graph), f"coarse{n_elements}")
+    return _separate(members, pins, graph)
 
 
 def grouped(shape: Shape, members: IntArray, resolution: str) -> Shape:

@@ -89,6 +89,7 @@ def plan_of(
     }
     return Plan(
         coarse=evaluator,
+        fine=evaluator,
         whole=evaluator,
         ready=ready,
         restarts=restarts,
@@ -292,6 +293,7 @@ def finished(ends, *, deadline=0.0):
     ]
     plan = Plan(
         coarse=coarse,
+        fine=whole,
         whole=whole,
         ready={"optimizer": stranger("optimizer", Staying)},
         restarts=len(ends),
