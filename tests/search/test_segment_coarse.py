@@ -16,6 +16,7 @@ from moseg_core.components.segmentation import Segmentation
 from moseg_core.errors import UsageError
 from moseg_core.problem.problem import Problem
 from moseg_core.problem.settings import Method
+from moseg_core.search import segment as segment_module
 from moseg_core.search.segment import segment
 from moseg_core.shape.shape import Shape
 from tests import shapes
@@ -77,6 +78,29 @@ def test_polishing_does_not_make_it_worse(result):
     records = result.history["restarts"]
     assert len(records) == 8
     assert sum(record["finalist"] for record in records) >= 2
+
+
+def test_a_large_shape_is_polished_on_a_level_between(monkeypatch):
+    options = {"seeder": "evolution(population=8, iterations=3)", "restarts": 1}
+    exact = run(**options)
+    monkeypatch.setattr(segment_module, "FINER", 3)
+    SEEN.clear()
+    found = run(**options)
+    fresh = PROBLEM.evaluate(SHAPE, found.labels)
+    assert found.evaluation.cost == fresh.cost
+    # What the polish saw are 600 super-elements, where borders are counted otherwise.
+    polish = found.history["polish"]
+    assert polish[-1]["value"] < polish[0]["value"]
+    assert polish[-1]["value"] != fresh.cost.value
+    # The choice is by what input elements cost: polished or not.
+    assert found.cost < 1.1 * exact.cost
+
+
+def test_a_polish_that_costs_more_on_input_elements_is_not_taken(monkeypatch):
+    monkeypatch.setattr(segment_module, "FINER", 3)
+    rough = run(restarts=1, max_seconds=1e-9)  # nothing is polished
+    found = run(restarts=1, start=rough)
+    assert found.cost <= rough.cost
 
 
 def test_the_result_says_how_it_was_made_and_that_can_be_given_again(result):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -10,6 +12,7 @@ from hypothesis import strategies as st
 from moseg_core.components.discovery.lookup import FoundMeasure
 from moseg_core.components.memo import Memo
 from moseg_core.components.segmentation import Segmentation
+from moseg_core.shape import coarse as module
 from moseg_core.shape.coarse import coarse_pins, coarsen
 from moseg_core.shape.pins import Pins
 from moseg_core.shape.shape import Shape
@@ -115,7 +118,38 @@ def test_without_adjacency_elements_are_grouped_by_nearness():
 
 
 def test_it_is_the_same_every_time(shape):
-    assert (coarsen(shape, 30).members == coarsen(shape, 30).members).all()
+    first = coarsen(shape, 40)
+    assert coarsen(shape, 40) is first  # kept with the shape
+    anew = coarsen(replace(shape), 40)
+    assert anew is not first
+    assert anew.members.tolist() == first.members.tolist()
+
+
+@pytest.mark.parametrize("name", ["ball", "capsule of quads", "soup"])
+def test_a_large_shape_is_grouped_by_way_of_smaller_groups(name, monkeypatch):
+    shape = replace(MADE[name])  # with nothing kept
+    straight = coarsen(shape, 30)
+    monkeypatch.setattr(module, "MIDDLE", 200)
+    shape = replace(shape)
+    few, middle = coarsen(shape, 30), coarsen(shape, 200)
+    assert few.fine is shape
+    assert few.resolution == "coarse30"
+    assert few.n_elements == straight.n_elements
+    # Every group of 200 is in one of 30, and these are as alike in size as straight ones.
+    pairs = np.unique(np.stack([middle.members, few.members], axis=1), axis=0)
+    assert len(pairs) == middle.n_elements
+    assert few.areas.sum() == pytest.approx(shape.areas.sum())
+    assert few.areas.max() < 2 * straight.areas.max()
+
+
+def test_pins_hold_on_the_way_to_larger_groups(monkeypatch):
+    monkeypatch.setattr(module, "MIDDLE", 200)
+    shape = replace(BALL)
+    elements = np.arange(0, shape.n_elements, 7)
+    pins = Pins(elements=elements, labels=(elements % 2).astype(np.int32))
+    members = coarsen(shape, 20, pins=pins).members
+    for group in np.unique(members[elements]):
+        assert len(np.unique(pins.labels[members[elements] == group])) == 1
 
 
 @given(st.sampled_from(sorted(MADE)), st.integers(0, 2**32 - 1))

@@ -79,13 +79,15 @@ def concavity(shape: Shape, *, radius: Annotated[float, Interval(1e-4, 1)] = 0.0
     places = Places.of(shape, _MOST)
     weighted = shape.areas[:, None] * outward_normals(shape)
     count = places.shape.n_elements
-    normals = np.stack([np.bincount(places.members, column, count) for column in weighted.T], 1)
+    normals: FloatArray = np.stack(
+        [np.bincount(places.members, column, count) for column in weighted.T], 1, dtype=np.float64
+    )
     normals /= np.maximum(np.linalg.norm(normals, axis=1), np.finfo(float).tiny)[:, None]
     return _concavity(places.shape, normals, radius * shape.box_diagonal)[places.members]
 
 
 def _concavity(shape: Shape, normals: FloatArray, reach: float) -> FloatArray:
-    """(F,) float: :func:`concavity` of elements with these normals, over a radius in model units."""
+    """(F,) float: :func:`concavity` of elements with these normals; the radius in model units."""
     links = shape.links
     first, second = links.first, links.second
     step = shape.points[second] - shape.points[first]

@@ -9,7 +9,7 @@ from moseg_objectives_basic.fields import concavity as module
 from moseg_objectives_basic.fields.concavity import concavity, uncreased
 from scipy.spatial.transform import Rotation
 
-from moseg_core import Shape, field_values
+from moseg_core import Shape, coarsen, field_values
 
 
 def fine(vertices, faces, edge):
@@ -124,6 +124,22 @@ def test_slivers_and_faces_without_area_stay_in_range(make):
 def test_polygons_of_more_corners(make):
     vertices, faces = make.disc(8, 32)
     assert concavity(Shape.from_mesh(vertices, faces)) == pytest.approx(0, abs=1e-9)
+
+
+def test_a_large_surface_is_looked_at_in_groups(monkeypatch):
+    shape, away = notched(np.pi / 2, 0.25)
+    exact = concavity(shape)
+    monkeypatch.setattr(module, "_LARGE", 100)
+    monkeypatch.setattr(module, "_MOST", shape.n_elements // 3)
+    grouped = concavity(shape)
+    members = coarsen(shape, shape.n_elements // 3).members
+    for group in (0, 7, members.max()):
+        assert len(np.unique(grouped[members == group])) == 1
+    # Groups in the crease reach a little out of it.
+    crease = away < 0.15
+    assert 0.75 * exact[crease].mean() < grouped[crease].mean() < exact[crease].mean()
+    assert np.corrcoef(exact, grouped)[0, 1] > 0.9
+    assert np.abs(exact - grouped).mean() < 0.03
 
 
 def test_uncreased_is_a_weight_from_0_to_1():
