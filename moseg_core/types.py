@@ -16,6 +16,9 @@ IntArray: TypeAlias = npt.NDArray[np.int64]
 Int32Array: TypeAlias = npt.NDArray[np.int32]
 BoolArray: TypeAlias = npt.NDArray[np.bool_]
 
+UNLABELLED = -1
+"""Stands for a label where an element has none, because nobody has said what it is."""
+
 _Array = TypeVar("_Array", bound=npt.NDArray[Any])
 
 

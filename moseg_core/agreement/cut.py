@@ -11,6 +11,9 @@ Chen, Golovinskiy and Funkhouser 2009, doi:10.1145/1531326.1531379. Their text a
 direction by itself and puts the two together; their program pools the points of both, and that is
 what the numbers that people compare with come from, and what is computed here.
 
+Where a face has no label (-1) nobody has said whether it is cut off: its edges are no cuts, in
+either of the two.
+
 Where the discrepancy is undefined the result is None, never a number that would look like a good
 or bad one: if exactly one of the two has cuts, or if from a cut point in one connected component
 of the surface no cut of the other can be reached. Two segmentations without cuts agree: 0.
@@ -25,7 +28,8 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse import csgraph
 
-from moseg_core.types import FloatArray, IntArray
+from moseg_core.agreement.overlap import labelled
+from moseg_core.types import UNLABELLED, FloatArray, IntArray
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -172,12 +176,12 @@ def cut_vertices(graph: EdgeGraph, labels: IntArray) -> IntArray:
     ----------
     graph : EdgeGraph
     labels : (F,) int
-        Part of each face.
+        Part of each face; -1 for one in none.
 
     Returns
     -------
     (k,) int
-        Ascending. The rim of an open surface is no cut.
+        Ascending. The rim of an open surface is no cut, and that of the labelled faces neither.
 
     Examples
     --------
@@ -195,8 +199,12 @@ def cut_vertices(graph: EdgeGraph, labels: IntArray) -> IntArray:
     edges, faces, starts = graph._shared
     if not len(edges):
         return np.empty(0, np.int64)
-    beside = np.asarray(labels)[faces]
-    cut = np.minimum.reduceat(beside, starts) < np.maximum.reduceat(beside, starts)
+    beside = np.asarray(labels, np.int64)[faces]
+    # Faces without a label take no part in either: least of the one, greatest of the other.
+    ends = np.iinfo(np.int64)
+    least = np.where(beside == UNLABELLED, ends.max, beside)
+    greatest = np.where(beside == UNLABELLED, ends.min, beside)
+    cut = np.minimum.reduceat(least, starts) < np.maximum.reduceat(greatest, starts)
     return np.unique(edges[cut])
 
 
@@ -207,7 +215,7 @@ def cut_discrepancy(graph: EdgeGraph, first: IntArray, second: IntArray) -> floa
     ----------
     graph : EdgeGraph
     first, second : (F,) int
-        Part of each face; the order of the two plays no role.
+        Part of each face, -1 for one in none; the order of the two plays no role.
 
     Returns
     -------
@@ -233,6 +241,8 @@ def cut_discrepancy(graph: EdgeGraph, first: IntArray, second: IntArray) -> floa
     >>> cut_discrepancy(strip, np.array([0, 1, 1, 1]), np.array([0, 0, 0, 0])) is None
     True
     """
+    known = labelled(first, second)
+    first, second = (np.where(known, labels, UNLABELLED) for labels in (first, second))
     cuts = cut_vertices(graph, first), cut_vertices(graph, second)
     if not len(cuts[0]) and not len(cuts[1]):
         return 0.0

@@ -7,7 +7,8 @@ confusion table says where the rest went.
 
 Instances of one kind are alike: ``leg1`` and ``leg2`` both count as ``leg``, on either side. And
 two people seldom choose the same words, so that names of the found labelling may be translated
-into those of the truth before they are compared (:func:`renamed`).
+into those of the truth before they are compared (:func:`renamed`). What bears no label, -1, on
+either side is left out.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from moseg_core.agreement.overlap import sums
+from moseg_core.agreement.overlap import labelled, sums
 from moseg_core.errors import UsageError, unknown
 from moseg_core.types import FloatArray, IntArray
 
@@ -87,6 +88,7 @@ def named_right(
     Parameters
     ----------
     labels, truth : (F,) int
+        -1 for an element without a label.
     names, truth_names : sequence of str
         Names of the labels; ``leg1`` and ``leg2`` both count as ``leg``.
     areas : (F,) float
@@ -96,12 +98,12 @@ def named_right(
     Returns
     -------
     float
-        0 to 1; 1 is best.
+        0 to 1, of the area that has a label on both sides; 1 is best.
 
     Raises
     ------
     UsageError
-        A translation of a name that is none of `names`.
+        A translation of a name that is none of `names`; no element has a label on both sides.
 
     Examples
     --------
@@ -113,6 +115,7 @@ def named_right(
     ...             rename={"leg2": "body"})
     1.0
     """
+    labels, truth, areas = _known(labels, truth, areas)
     given = np.array(renamed(names, rename or {}))[labels]
     wanted = np.array([fold(name) for name in truth_names])[truth]
     return float(areas[given == wanted].sum() / areas.sum())
@@ -156,12 +159,13 @@ def confusion(
     Returns
     -------
     Confusion
-        Its areas sum to that of the shape, those under equal names to what is named right.
+        Its areas sum to that of the shape which has a label on both sides, those under equal names
+        to what is named right.
 
     Raises
     ------
     UsageError
-        A translation of a name that is none of `names`.
+        A translation of a name that is none of `names`; no element has a label on both sides.
 
     Examples
     --------
@@ -175,9 +179,20 @@ def confusion(
     """
     rows, row = _sorted_names([fold(name) for name in truth_names])
     columns, column = _sorted_names(renamed(names, rename or {}))
+    labels, truth, areas = _known(labels, truth, areas)
     cell = row[truth] * len(columns) + column[labels]
     summed = sums(cell, areas, len(rows) * len(columns))
     return Confusion(rows, columns, summed.reshape(len(rows), len(columns)))
+
+
+def _known(
+    labels: IntArray, truth: IntArray, areas: FloatArray
+) -> tuple[IntArray, IntArray, FloatArray]:
+    """Those of the elements that have a label on both sides."""
+    known = labelled(labels, truth)
+    if not areas[known].any():
+        raise UsageError("nothing has a label in both labellings; there is nothing to compare")
+    return labels[known], truth[known], areas[known]
 
 
 def _sorted_names(names: Sequence[str]) -> tuple[tuple[str, ...], IntArray]:

@@ -5,6 +5,9 @@ errors and the Hamming distance are sums over it. It is kept as a list of the pa
 do meet. Two segmentations of a mesh into a part per face would fill a square of billions
 otherwise, nearly all of it zeros; the list is never longer than the mesh.
 
+An element that bears no label in either segmentation (:data:`moseg_core.types.UNLABELLED`, -1) is
+left out of the table, and so of all measures that follow from it.
+
 An element counts as 1, or as its weight: with the elements' areas as weights nothing depends on
 how finely a region happens to be meshed.
 """
@@ -16,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from moseg_core.errors import UsageError
-from moseg_core.types import FloatArray, IntArray
+from moseg_core.types import UNLABELLED, BoolArray, FloatArray, IntArray
 
 # Labels that span at most so many times their number are numbered by counting, not by sorting.
 _DENSE = 4
@@ -57,7 +60,7 @@ def overlap(first: IntArray, second: IntArray, weights: FloatArray | None = None
     Parameters
     ----------
     first, second : (F,) int
-        Part of each element; any integers.
+        Part of each element; any integers, of which -1 says that it is in none.
     weights : (F,) float, optional
         What each element counts, such as its area, not negative; 1 by default.
 
@@ -85,8 +88,10 @@ def overlap(first: IntArray, second: IntArray, weights: FloatArray | None = None
             f"labellings of one shape have a label for each of its elements, and weights too;"
             f" these have {len(first)}, {len(second)} and {len(mass)}"
         )
-    _, a = _numbered(np.asarray(first))
-    kinds, b = _numbered(np.asarray(second))
+    known = labelled(first, second)
+    mass = mass[known]
+    _, a = _numbered(np.asarray(first)[known])
+    kinds, b = _numbered(np.asarray(second)[known])
     width = max(len(kinds), 1)
     cells, cell = _numbered(a * width + b)
     shared = sums(cell, mass, len(cells))
@@ -101,6 +106,27 @@ def overlap(first: IntArray, second: IntArray, weights: FloatArray | None = None
         second_sizes=sums(column, shared, 0),
         squares=float((mass**2).sum()),
     )
+
+
+def labelled(first: IntArray, second: IntArray) -> BoolArray:
+    """Which elements bear a label in both of two labellings.
+
+    Parameters
+    ----------
+    first, second : (F,) int
+        -1 for an element without a label.
+
+    Returns
+    -------
+    (F,) bool
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> labelled(np.array([0, -1, 2]), np.array([1, 1, -1])).tolist()
+    [True, False, False]
+    """
+    return np.asarray((np.asarray(first) != UNLABELLED) & (np.asarray(second) != UNLABELLED))
 
 
 def sums(group: IntArray, values: FloatArray, n_groups: int) -> FloatArray:

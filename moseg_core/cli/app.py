@@ -100,6 +100,7 @@ def explain(
     *,
     problem: ProblemFlags = _NO_PROBLEM,
     parts: Path | None = None,
+    label_property: str | None = None,
     reading: ShapeFlags = _SHAPE_AS_READ,
     json: Flag = False,
 ) -> None:
@@ -116,14 +117,23 @@ def explain(
     source
         A result (.json), or a shape together with --parts.
     parts
-        Labelling to evaluate: .seg (numbers in the order of the labels), .txt, .json, .ply, .npz
-        or .npy. A recipe for any number of parts takes the number from it.
+        Labelling to evaluate: .seg (numbers in the order of the labels), .txt, .json, .ply and
+        others (docs/formats.md). A recipe for any number of parts takes the number from it.
+    label_property
+        Name of the property, column or array of --parts that holds the labels, if not a usual one.
     json
         Print JSON instead of a table.
     """
     from moseg_core.cli.explain import run_explain
 
-    run_explain(source, problem_flags=problem, parts=parts, reading=reading, as_json=json)
+    run_explain(
+        source,
+        problem_flags=problem,
+        parts=parts,
+        label_property=label_property,
+        reading=reading,
+        as_json=json,
+    )
 
 
 @app.command
@@ -134,6 +144,7 @@ def evaluate(
     *truths: Path,
     voxels: Literal["solid", "surface"] = "solid",
     rename: str | None = None,
+    label_property: str | None = None,
     json: Flag = False,
 ) -> None:
     """Compare a labelling with true ones: the measures of the Princeton benchmark, and names.
@@ -153,19 +164,31 @@ def evaluate(
     shape
         The mesh, point cloud or voxel grid that both label.
     result
-        Labelling to judge: .seg, .txt, .json, .ply, .npz or .npy.
+        Labelling to judge: .seg, .txt, .json, .ply, .glb, .obj, .npy and others (docs/formats.md).
+        What it, or a truth, leaves without a label is left out.
     truths
         One or more labellings to compare with.
     voxels
         Whether all cells of a voxel grid are elements, or only those of its surface.
     rename
         Names of the result and what the truth calls them: given=true,given=true.
+    label_property
+        Name of the property, column or array that holds the labels, if not a usual one; the first
+        that a file has, of several: label,objectId.
     json
         Print JSON instead of tables.
     """
     from moseg_core.cli.evaluate import run_evaluate
 
-    run_evaluate(shape, result, truths, voxels=voxels, rename=rename, as_json=json)
+    run_evaluate(
+        shape,
+        result,
+        truths,
+        voxels=voxels,
+        rename=rename,
+        label_property=label_property,
+        as_json=json,
+    )
 
 
 @app.command

@@ -16,10 +16,19 @@ from typing import Any, Literal
 import numpy as np
 from rich.table import Table
 
-from moseg_core.agreement import Agreement, Confusion, EdgeGraph, compare, confusion, fold, renamed
+from moseg_core.agreement import (
+    Agreement,
+    Confusion,
+    EdgeGraph,
+    compare,
+    confusion,
+    fold,
+    labelled,
+    renamed,
+)
 from moseg_core.cli.console import console, message, print_json
 from moseg_core.cli.flags import ShapeFlags
-from moseg_core.cli.reading import read_shape
+from moseg_core.cli.reading import read_label_property, read_shape
 from moseg_core.errors import UsageError, nearest
 from moseg_core.io import Labelling, read_labels
 from moseg_core.shape.mesh import PolygonMesh
@@ -48,6 +57,7 @@ def run_evaluate(
     *,
     voxels: Literal["solid", "surface"],
     rename: str | None,
+    label_property: str | None,
     as_json: bool,
 ) -> None:
     """Compare and print one row per truth, their mean, and what is taken for what."""
@@ -55,11 +65,19 @@ def run_evaluate(
         raise UsageError("evaluate takes a shape, a result and at least one true labelling")
     translation = read_rename(rename)
     shape = read_shape(path, ShapeFlags(voxels=voxels))
-    found = read_labels(result, shape.n_elements)
+    found = _read(result, shape, label_property)
     if translation and found.names is None:
         raise UsageError(f"{result.name} has no names of labels that --rename could replace")
     given = None if found.names is None else renamed(found.names, translation)
-    true = [read_labels(truth, shape.n_elements) for truth in truths]
+    true = [_read(truth, shape, label_property) for truth in truths]
+    for note in dict.fromkeys(note for labelling in (found, *true) for note in labelling.notes):
+        message(note)
+    for truth, labelling in zip(truths, true, strict=True):
+        if not labelled(found.labels, labelling.labels).any():
+            raise UsageError(
+                f"no {shape.noun} has a label both in {result.name} and in {truth.name}; there is"
+                " nothing to compare"
+            )
     _warn_about_names(result, given, translation, truths, true)
     graph = _edge_graph(shape)
     agreements = [
@@ -90,6 +108,10 @@ def run_evaluate(
         out.print("\nshare of the area in %: what it is (rows) and what it is called (columns)")
         for block in _confusion_tables(together, out.width):
             out.print(block)
+
+
+def _read(path: Path, shape: Shape, label_property: str | None) -> Labelling:
+    return read_labels(path, shape, label_property=read_label_property(label_property))
 
 
 def _edge_graph(shape: Shape) -> EdgeGraph | None:

@@ -9,7 +9,7 @@ import numpy as np
 
 from moseg_core.cli.console import message, print_json, print_terms
 from moseg_core.cli.flags import ProblemFlags, ShapeFlags
-from moseg_core.cli.reading import read_shape
+from moseg_core.cli.reading import read_label_property, read_shape
 from moseg_core.cli.request import read_statement, read_variants
 from moseg_core.components.segmentation import Segmentation
 from moseg_core.errors import UsageError, unknown
@@ -28,6 +28,7 @@ def run_explain(
     *,
     problem_flags: ProblemFlags,
     parts: Path | None,
+    label_property: str | None,
     reading: ShapeFlags,
     as_json: bool,
 ) -> None:
@@ -46,7 +47,11 @@ def run_explain(
         stated = read_statement(problem_flags)
         variants = None if stated.is_open else read_variants(problem_flags)
         shape = read_shape(source, reading)
-        labelling = read_labels(parts, shape.n_elements)
+        # A cost is that of all elements.
+        asked = read_label_property(label_property)
+        labelling = read_labels(parts, shape, label_property=asked, fill=True)
+        for note in labelling.notes:
+            message(note)
         if variants is None:
             stated, labelling = _numbered(stated, labelling)
             variants = Variants.of(stated)

@@ -10,6 +10,17 @@ from moseg_core.shape.mesh import PolygonMesh
 from moseg_core.shape.shape import Shape
 
 
+def read_label_property(text: str | None) -> tuple[str, ...]:
+    """Names of the property that holds labels, separated by commas; the first that a file has.
+
+    Examples
+    --------
+    >>> read_label_property("label, objectId")
+    ('label', 'objectId')
+    """
+    return () if text is None else tuple(name.strip() for name in text.split(",") if name.strip())
+
+
 def read_shape(path: Path, flags: ShapeFlags) -> Shape:
     """Read a shape and estimate what it does not know of itself, as far as that is asked for.
 

@@ -1,7 +1,7 @@
 """Files in and out: shapes by :func:`load`, results by :func:`save`, labellings by suffix."""
 
 from moseg_core.io.files import load, save, write_file
-from moseg_core.io.label_files import (
+from moseg_core.io.labels import (
     Labelling,
     encode_named_labels,
     encode_seg,

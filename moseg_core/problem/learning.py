@@ -1,10 +1,11 @@
 """Learning: from shapes whose parts are labelled to a recipe for others of their kind.
 
 A person who cannot say what the parts of a shape are like can show some. An :class:`Example` is a
-shape with a named label for each of its elements. A *learner* makes a recipe of several: a
-function ``f(examples, **parameters)`` that returns a :class:`~moseg_core.problem.recipe.Recipe`,
-which a bundle brings through the hook ``moseg_learners``. What comes out is a recipe like any
-other: a text that its owner can read, change and send.
+shape with a named label for each of its elements, or for some. A *learner* makes a recipe of
+several: a function ``f(examples, **parameters)`` that returns a
+:class:`~moseg_core.problem.recipe.Recipe`, which a bundle brings through the hook
+``moseg_learners``. What comes out is a recipe like any other: a text that its owner can read,
+change and send.
 
 What all learners promise is checked by :mod:`moseg_core.testing.checks.learners`: the same examples
 in any order give the same recipe, which has every label that the examples bear.
@@ -21,11 +22,11 @@ import numpy.typing as npt
 
 from moseg_core.components.chosen import Choice, prepare
 from moseg_core.components.discovery.registry import Registry, registry
-from moseg_core.errors import REPORT, PluginError, UsageError
+from moseg_core.errors import REPORT, PluginError, ShapeError, UsageError
 from moseg_core.problem.recipe import Recipe
 from moseg_core.shape.labels import checked_labels
 from moseg_core.shape.shape import Shape
-from moseg_core.types import frozen
+from moseg_core.types import UNLABELLED, frozen
 
 USUAL = "profiles"
 """The learner that is meant where none is named."""
@@ -39,14 +40,15 @@ class Example:
     ----------
     shape : Shape
     labels : (F,) array_like of int
-        For each element of the shape the number of its label, from 0.
+        For each element of the shape the number of its label, from 0; -1 where nobody has said what
+        it is, and nothing is learned of it.
     names : sequence of str
         ``names[k]`` is the name of label ``k``; distinct. One that no element bears says nothing.
 
     Raises
     ------
     ShapeError
-        Not one label for each element, or a label without a name.
+        Not one label for each element, a label without a name, or no element with a label.
     UsageError
         A name that is empty, or given twice.
 
@@ -68,14 +70,18 @@ class Example:
                 raise UsageError(f"the name of a label is a text, not {name!r}")
             if names.count(name) > 1:
                 raise UsageError(f"label '{name}' is named twice; labels have distinct names")
-        labels = np.array(checked_labels(self.shape, self.labels, len(names)), dtype=np.int64)
+        checked = checked_labels(self.shape, self.labels, len(names), unlabelled=True)
+        labels = np.array(checked, dtype=np.int64)
+        if (labels == UNLABELLED).all():
+            raise ShapeError(f"'{self.shape.name}': no {self.shape.noun} has a label")
         object.__setattr__(self, "names", names)
         object.__setattr__(self, "labels", frozen(labels))
 
     @property
     def borne(self) -> tuple[str, ...]:
         """The names that some element bears, in their order."""
-        return tuple(self.names[k] for k in np.unique(self.labels).tolist())
+        labels = self.labels[self.labels != UNLABELLED]
+        return tuple(self.names[k] for k in np.unique(labels).tolist())
 
     def __repr__(self) -> str:
         return f"Example({self.shape.name}: {', '.join(self.borne)})"

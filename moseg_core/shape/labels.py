@@ -10,10 +10,15 @@ import numpy.typing as npt
 from moseg_core.errors import ShapeError
 from moseg_core.shape.data import ShapeData
 from moseg_core.shape.geometry import Geometry
+from moseg_core.types import UNLABELLED
 
 
 def checked_labels(
-    shape: Geometry | ShapeData, labels: npt.ArrayLike, n_labels: int
+    shape: Geometry | ShapeData,
+    labels: npt.ArrayLike,
+    n_labels: int,
+    *,
+    unlabelled: bool = False,
 ) -> npt.NDArray[np.integer[Any]]:
     """Labels as an array, one for each element, and none out of range.
 
@@ -24,6 +29,8 @@ def checked_labels(
     labels : (F,) array_like of int
     n_labels : int
         Labels are 0 to ``n_labels - 1``.
+    unlabelled : bool
+        Whether an element may have no label, -1.
 
     Returns
     -------
@@ -53,9 +60,11 @@ def checked_labels(
         )
     if not np.issubdtype(array.dtype, np.integer):
         raise ShapeError(f"labels must be integers, not {array.dtype}")
-    if array.min() < 0 or array.max() >= n_labels:
-        wrong = int(np.argmax((array < 0) | (array >= n_labels)))
+    least = UNLABELLED if unlabelled else 0
+    if array.min() < least or array.max() >= n_labels:
+        wrong = int(np.argmax((array < least) | (array >= n_labels)))
         raise ShapeError(
             f"{shape.noun} {wrong} has the label {array[wrong]}; allowed are 0 to {n_labels - 1}"
+            + (", and -1 where there is none" if unlabelled else "")
         )
     return array

@@ -90,7 +90,7 @@ def cut_points(
     cut: set[Point] = set()
     for f in range(len(faces)):
         for g in range(f):
-            if labels[f] != labels[g]:
+            if labels[f] != labels[g] and -1 not in (labels[f], labels[g]):
                 for edge in edges[f] & edges[g]:
                     cut |= edge
     return cut
@@ -120,7 +120,13 @@ def cut_discrepancy(
     second: Labels,
     radius: float,
 ) -> float | None:
-    """Mean distance between the cuts over the radius; None where undefined."""
+    """Mean distance between the cuts over the radius; None where undefined.
+
+    A face without a label, -1, in either has none in both.
+    """
+    known = [-1 not in pair for pair in zip(first, second, strict=True)]
+    first = [label if there else -1 for label, there in zip(first, known, strict=True)]
+    second = [label if there else -1 for label, there in zip(second, known, strict=True)]
     here, there = cut_points(vertices, faces, first), cut_points(vertices, faces, second)
     if not here and not there:
         return 0.0

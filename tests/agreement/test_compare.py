@@ -63,6 +63,19 @@ def test_without_names_on_both_sides_nothing_is_named_right_or_wrong(known):
     )
 
 
+def test_faces_without_a_label_are_left_out_of_all_measures():
+    truth = (SHAPE.points[:, 0] > 0).astype(int)
+    found = np.where(np.arange(SHAPE.n_elements) % 5 == 0, -1, truth)
+    names = ["a", "b"]
+    told = agreement.compare(
+        found, truth, areas=SHAPE.areas, graph=GRAPH, names=names, truth_names=names
+    )
+    assert told.named_right == 1.0
+    assert told.rand_index_error == told.hamming == told.cut_discrepancy == 0.0
+    with pytest.raises(UsageError, match="no face has a label in both"):
+        agreement.compare(np.full_like(truth, -1), truth, areas=SHAPE.areas, graph=GRAPH)
+
+
 def test_a_translation_of_no_name_is_refused():
     same = np.zeros(SHAPE.n_elements, int)
     with pytest.raises(UsageError, match="unknown label to rename 'b'"):

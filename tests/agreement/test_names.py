@@ -32,6 +32,28 @@ def test_the_share_named_right_is_that_of_the_area_under_the_right_name(seed, si
     assert found == pytest.approx(right / areas.sum())
 
 
+@given(st.integers(0, 2**32), st.integers(1, 20))
+@settings(max_examples=60)
+def test_elements_without_a_label_on_either_side_do_not_count(seed, size):
+    labels, truth, areas = drawn(seed, size)
+    rng = np.random.default_rng(seed)
+    labels[rng.random(size) < 0.3] = -1
+    truth[rng.random(size) < 0.3] = -1
+    known = (labels >= 0) & (truth >= 0)
+    if not known.any():
+        for measure in (named_right, confusion):
+            with pytest.raises(UsageError, match="there is nothing to compare"):
+                measure(labels, NAMES, truth, TRUTH_NAMES, areas)
+        return
+    here, there = (labels, truth, areas), (labels[known], truth[known], areas[known])
+    right, table = (
+        [measure(a, NAMES, b, TRUTH_NAMES, c) for a, b, c in (here, there)]
+        for measure in (named_right, confusion)
+    )
+    assert right[0] == right[1]
+    np.testing.assert_array_equal(table[0].areas, table[1].areas)
+
+
 @pytest.mark.parametrize(
     ("name", "folded"),
     [

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 
-from moseg_core.agreement import overlap
+from moseg_core.agreement import labelled, overlap
 from moseg_core.errors import UsageError
 from tests.agreement import references
-from tests.agreement.labellings import pairs_of_labellings
+from tests.agreement.labellings import pairs_of_labellings, partly_labelled_pairs
 
 
 @given(pairs_of_labellings())
@@ -31,6 +31,17 @@ def test_the_table_holds_what_parts_have_in_common(case):
     assert table.second_sizes == pytest.approx([references.weigh(part, weights) for part in others])
     assert table.total == pytest.approx(sum(weights))
     assert table.squares == pytest.approx(sum(w * w for w in weights))
+
+
+@given(partly_labelled_pairs())
+@settings(max_examples=100)
+def test_elements_without_a_label_are_as_if_they_were_not_there(case):
+    first, second, weights, known = case
+    np.testing.assert_array_equal(labelled(first, second), known)
+    here = overlap(first, second, weights)
+    there = overlap(first[known], second[known], weights[known])
+    for name in ("first", "second", "shared", "first_sizes", "second_sizes", "squares"):
+        np.testing.assert_array_equal(getattr(here, name), getattr(there, name))
 
 
 def test_a_part_for_every_element_on_both_sides_needs_no_square_table():

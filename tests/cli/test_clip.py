@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from moseg_core import load
-from moseg_core.io.read.ply import read_ply_labels
+from moseg_core.io.labels import read_labels
 from tests.clipping.checks import is_closed, polygon_areas
 
 QUICK = ("--seeder", "kmeans", "--optimizer", "pattern_search(max_evaluations=30)")
@@ -40,7 +40,7 @@ def test_surfaces_are_clipped_and_labels_are_not(moseg, mallet, tmp_path):
         [("n", "u1"), ("corners", "<i4", 3), ("rgb", "u1", 3), ("label", "<i4"), ("source", "<i4")]
     )
     rows = np.frombuffer(data[-ply.n_elements * kind.itemsize :], kind)
-    assert (rows["label"] == read_ply_labels(smooth[2])).all()
+    assert (rows["label"] == read_labels(smooth[2], ply).labels).all()
     per_face = np.bincount(rows["source"], polygon_areas(ply.geometry), shape.n_elements)
     np.testing.assert_allclose(per_face, shape.areas, rtol=1e-9)
     labels = np.array(json.loads(smooth[0].read_text())["labels"])

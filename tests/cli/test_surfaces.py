@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy import ndimage
 
-from moseg_core.io.label_files import read_labels
+from moseg_core.io.labels import read_labels
 
 QUICK = ("--optimizer", "pattern_search(max_evaluations=20)", "--seeder", "kmeans")
 

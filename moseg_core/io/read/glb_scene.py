@@ -19,6 +19,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -68,7 +69,7 @@ def read_glb(path: Path) -> Shape:
     found: Counter[tuple[str, str]] = Counter()
     for node, mesh, placement in _placed_meshes(glb):
         found.update(_left_out(glb, node, mesh))
-        for vertices, triangles in _primitives(glb, mesh):
+        for _, vertices, triangles in _primitives(glb, mesh):
             if np.linalg.det(placement[:3, :3]) < 0:
                 triangles = triangles[:, [0, 2, 1]]
             points.append(_placed(vertices, placement))
@@ -84,37 +85,60 @@ def read_glb(path: Path) -> Shape:
     )
 
 
-def read_glb_names(path: Path) -> tuple[IntArray, tuple[str, ...]]:
-    """Which named object of a GLB file each triangle belongs to.
+@dataclass(frozen=True, kw_only=True)
+class GlbPiece:
+    """A run of triangles of one node and one material.
+
+    Parameters
+    ----------
+    node, mesh, material : str or None
+        Their names; None where they have none.
+    place : int
+        Which of the nodes with a mesh it is, from 0, in scene order.
+    n_triangles : int
+    """
+
+    node: str | None
+    mesh: str | None
+    material: str | None
+    place: int
+    n_triangles: int
+
+
+def read_glb_pieces(path: Path) -> list[GlbPiece]:
+    """What the triangles of a GLB file are called, in the order of :func:`read_glb`.
 
     Parameters
     ----------
     path : Path
 
-    Returns
-    -------
-    labels : (F,) int
-        For each triangle, in the order of :func:`read_glb`, the number of its object.
-    names : tuple of str
-        The objects' names, in scene order; nodes of one name are one object. A node without a name
-        is called after its mesh.
-
     Raises
     ------
     ShapeError
-        As for :func:`read_glb`; or an object has no name.
+        As for :func:`read_glb`.
     """
     glb = GlbFile.parse(path, read_file(path))
-    numbers: dict[str, int] = {}
-    labels: list[int] = []
-    for node, mesh, _ in _placed_meshes(glb):
-        name = node.get("name") or mesh.get("name")
-        if not isinstance(name, str):
-            raise file_error(path, "has a part without a name; name its nodes")
-        number = numbers.setdefault(name, len(numbers))
-        for _, triangles in _primitives(glb, mesh):
-            labels += [number] * len(triangles)
-    return np.array(labels, np.int64), tuple(numbers)
+    pieces: list[GlbPiece] = []
+    for place, (node, mesh, _) in enumerate(_placed_meshes(glb)):
+        for primitive, _, triangles in _primitives(glb, mesh):
+            material: Json = {}
+            if "material" in primitive:
+                material = glb.item("materials", primitive["material"])
+            pieces.append(
+                GlbPiece(
+                    node=_name(node),
+                    mesh=_name(mesh),
+                    material=_name(material),
+                    place=place,
+                    n_triangles=len(triangles),
+                )
+            )
+    return pieces
+
+
+def _name(item: Json) -> str | None:
+    name = item.get("name")
+    return name if isinstance(name, str) and name else None
 
 
 def _placed_meshes(glb: GlbFile) -> Iterator[tuple[Json, Json, FloatArray]]:
@@ -200,8 +224,8 @@ def _placed(vertices: FloatArray, placement: FloatArray) -> FloatArray:
     return np.stack(rows, axis=1)
 
 
-def _primitives(glb: GlbFile, mesh: Json) -> Iterator[tuple[FloatArray, IntArray]]:
-    """Positions (V, 3) and triangles (T, 3) of the primitives that have triangles."""
+def _primitives(glb: GlbFile, mesh: Json) -> Iterator[tuple[Json, FloatArray, IntArray]]:
+    """The primitives that have triangles, their positions (V, 3) and triangles (T, 3)."""
     for primitive in glb.members(mesh, "primitives"):
         if not isinstance(primitive, dict):
             raise glb.damaged("a primitive must be an object")
@@ -227,7 +251,7 @@ def _primitives(glb: GlbFile, mesh: Json) -> Iterator[tuple[FloatArray, IntArray
             raise glb.damaged(
                 f"a triangle names vertex {indices.max()}, but its primitive has {len(vertices)}"
             )
-        yield vertices.astype(np.float64), _triangles(glb, indices, mode)
+        yield primitive, vertices.astype(np.float64), _triangles(glb, indices, mode)
 
 
 def _triangles(glb: GlbFile, indices: IntArray, mode: int) -> IntArray:

@@ -1,16 +1,14 @@
-"""PLY files: a polygon mesh or a point cloud, and the labels that faces or points may carry.
+"""PLY files: a polygon mesh or a point cloud.
 
 Of the elements that a PLY file may hold (decoded by :mod:`moseg_core.io.read.ply_elements`) two
 make a shape: ``vertex`` with the properties x, y and z, and ``face`` with the list
 ``vertex_indices`` or ``vertex_index``. Without faces the vertices are a point cloud, with the
 normals nx, ny, nz if they have such. Everything else is decoded, so that a damaged file is noticed,
-and dropped. A face, or a point of a cloud, may also have an integer property ``label``; the header
-then may name the labels in comments, ``comment moseg label <index> <name>``.
+and dropped. Labels that faces or points carry are read by :mod:`moseg_core.io.labels.ply`.
 """
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -28,13 +26,11 @@ from moseg_core.io.read.ply_elements import (
     PlyColumns,
     PlyLists,
     decode_elements,
-    read_elements,
 )
 from moseg_core.io.read.ply_header import parse_header
 from moseg_core.shape.shape import Shape
 from moseg_core.types import BoolArray, FloatArray, IntArray
 
-_INDEX = re.compile(r"[0-9]{1,9}")
 _LISTS = ("vertex_indices", "vertex_index")
 
 
@@ -129,71 +125,3 @@ def _vectors(path: Path, columns: PlyColumns, names: Sequence[str]) -> FloatArra
             )
         axes.append(column.astype(np.float64))
     return np.stack(axes, axis=1)
-
-
-def read_ply_labels(path: Path) -> IntArray | None:
-    """The property ``label`` of the faces of a PLY file, or of the points of one without faces.
-
-    Parameters
-    ----------
-    path : Path
-
-    Returns
-    -------
-    (F,) int or None
-        As they stand in the file, in file order; None where there is no such property.
-
-    Raises
-    ------
-    ShapeError
-        The file cannot be read, is not a PLY file, or its labels are not integers.
-    """
-    data = read_file(path)
-    elements = read_elements(path, data, parse_header(path, data))
-    bearer = "face" if any(map(_count, elements.get("face", {}).values())) else "vertex"
-    column = elements.get(bearer, {}).get("label")
-    if column is None:
-        return None
-    if isinstance(column, PlyLists) or column.dtype.kind not in "iu":
-        raise file_error(
-            path, f"has a {bearer} property 'label' that is not one integer; export it as int"
-        )
-    labels = column.astype(np.int64)
-    if bearer == "vertex":
-        return labels
-    lists = [elements["face"][name] for name in _LISTS if name in elements["face"]]
-    found = next((column for column in lists if isinstance(column, PlyLists)), None)
-    return labels if found is None else labels[whole_faces(found.offsets)]
-
-
-def read_ply_label_names(path: Path) -> dict[int, str]:
-    """The names of labels in the header of a PLY file.
-
-    Parameters
-    ----------
-    path : Path
-
-    Returns
-    -------
-    dict of int to str
-        From the header's lines ``comment moseg label <index> <name>``; a name may hold blanks.
-
-    Raises
-    ------
-    ShapeError
-        The file cannot be read or is not a PLY file, or an index is malformed or repeated.
-    """
-    names: dict[int, str] = {}
-    for comment in parse_header(path, read_file(path)).comments:
-        words = comment.split(maxsplit=3)
-        if words[:2] != ["moseg", "label"]:
-            continue
-        if len(words) < 4 or not _INDEX.fullmatch(words[2]):
-            raise file_error(
-                path, f"has the comment '{comment}'; it must read 'moseg label <index> <name>'"
-            )
-        index = int(words[2])
-        if index in names:
-            raise file_error(path, f"names label {index} twice: '{names[index]}' and '{words[3]}'")
-        names[index] = words[3]
-    return names

@@ -5,7 +5,7 @@ They add nothing that depends on when or where they run: equal results give equa
 
 from __future__ import annotations
 
-from moseg_core.io.label_files import encode_seg
+from moseg_core.io.labels.writing import encode_seg
 from moseg_core.io.write.arrays import check_grid, encode_npy, encode_npz
 from moseg_core.io.write.glb import encode_glb
 from moseg_core.io.write.ply import encode_ply, encode_points_ply

@@ -13,7 +13,7 @@ import statistics
 import time
 import warnings
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Self
 
 import numpy as np
@@ -167,7 +167,7 @@ def run_case(case: BenchmarkCase, *, report: Report) -> tuple[CaseResult, IntArr
 
 
 def read_people(model: Model, shape: Shape) -> list[IntArray]:
-    """Each person's segmentation of a model.
+    """Each person's segmentation of a model; -1 for elements that somebody has left out.
 
     Raises
     ------
@@ -176,7 +176,7 @@ def read_people(model: Model, shape: Shape) -> list[IntArray]:
     """
     if not model.people:
         raise UsageError("there are no segmentations by people")
-    return [read_labels(path, shape.n_elements).labels for path in model.people]
+    return [read_labels(path, shape).labels for path in model.people]
 
 
 def _measure(
@@ -185,7 +185,8 @@ def _measure(
     if case.method == PEOPLE:
         return {"rand_index_error": _error_between(people)}, None
     if case.method == KMEANS:
-        labels = cluster(shape, round(statistics.median(len(np.unique(p)) for p in people)))
+        counts = (len(np.unique(person[person >= 0])) for person in people)
+        labels = cluster(shape, round(statistics.median(counts)))
         return {"rand_index_error": error_against(labels, people)}, labels
     assert case.recipe is not None  # everything else has one
     tasks = case.recipe.hierarchies()
@@ -249,7 +250,7 @@ def _wanted(
 def _named_parts(case: BenchmarkCase, shape: Shape) -> Labelling | None:
     if case.model.names is None:
         return None
-    return read_labels(case.model.names, shape.n_elements)
+    return read_labels(case.model.names, shape)
 
 
 def error_against(labels: IntArray, people: list[IntArray]) -> float:
@@ -297,6 +298,8 @@ def _costs(
     """What the named parts, and each person's, cost under the recipe for their label set."""
     if named is None:
         raise UsageError("there are no named parts, which the recipe's labels could be given to")
+    # A cost is that of the whole shape.
+    named = replace(named, labels=named.filled(shape))
     task = tasks[fitting_set(shape, named, [t.labels for t in tasks], case.naming)]
     labels = labels_of_names(shape, named, task.labels, case.naming)
     of_names = task.evaluate(shape, labels)

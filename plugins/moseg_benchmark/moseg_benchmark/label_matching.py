@@ -82,7 +82,8 @@ def labels_of_names(
     Returns
     -------
     (F,) int
-        Index into `labels`. Where there are fewer pieces than labels of a kind, some are not used.
+        Index into `labels`, -1 for elements without a name. Where there are fewer pieces than
+        labels of a kind, some are not used.
 
     Raises
     ------
@@ -161,9 +162,15 @@ def _names_of_kinds(
     """For each kind of a recipe's labels the numbers of the names whose parts get it."""
     names = named.names or ()
     groups: dict[str, list[int]] = {}
-    for k in sorted(np.unique(named.labels), key=lambda k: names[k]):
+    for k in sorted(_borne(named), key=lambda k: names[k]):
         groups.setdefault(naming.kind(names[k], labels), []).append(int(k))
     return groups
+
+
+def _borne(named: Labelling) -> list[int]:
+    """The labels that elements bear, ascending."""
+    found: list[int] = np.unique(named.labels[~named.unlabelled]).tolist()
+    return found
 
 
 def piece_counts(shape: Shape, named: Labelling) -> dict[str, int]:
@@ -187,7 +194,7 @@ def piece_counts(shape: Shape, named: Labelling) -> dict[str, int]:
     {'side': 2}
     """
     groups: dict[str, list[int]] = {}
-    for k in np.unique(named.labels).tolist():
+    for k in _borne(named):
         groups.setdefault(fold((named.names or ())[k]), []).append(k)
     return {kind: _count_pieces(shape, named, groups[kind]) for kind in sorted(groups)}
 
@@ -251,7 +258,7 @@ def labels_by_overlap(parts: IntArray, labels: IntArray, areas: FloatArray) -> I
     ----------
     parts : (F,) int
     labels : (F,) int
-        From 0.
+        From 0; all elements have one.
     areas : (F,) float
 
     Returns

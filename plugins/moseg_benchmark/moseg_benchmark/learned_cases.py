@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -79,7 +80,7 @@ class Shelf:
 
 def _example(model: Model, shape: Shape) -> Example:
     assert model.names is not None  # others are no examples
-    named = read_labels(model.names, shape.n_elements)
+    named = read_labels(model.names, shape)
     return Example(shape, named.labels, named.names or ())
 
 
@@ -127,7 +128,7 @@ def run_learned_case(
             "label_set": described(_kinds(result.problem.labels)),
         }
         if case.model.names is not None:
-            named = read_labels(case.model.names, shape.n_elements)
+            named = read_labels(case.model.names, shape)
             subject |= _beside_names(shape, result, recipe, named)
     except MosegError as error:
         return LearnedResult(**subject, failure=str(error)), None, recipe
@@ -151,7 +152,8 @@ def _beside_names(shape: Shape, result: Result, recipe: Recipe, named: Labelling
         "offered": bool(tasks),
     }
     if tasks:
-        labels = labels_of_names(shape, named, tasks[0].labels, Naming())
+        whole = replace(named, labels=named.filled(shape))  # a cost is that of the whole shape
+        labels = labels_of_names(shape, whole, tasks[0].labels, Naming())
         values["own_cost"] = tasks[0].evaluate(shape, labels).cost.value
     return values
 
@@ -168,6 +170,7 @@ def numbers_right(
     Parameters
     ----------
     labels, truth : (F,) int
+        -1 in the truth for an element without a label, which does not count.
     names, true_names : sequence of str
     areas : (F,) float
 
@@ -184,6 +187,8 @@ def numbers_right(
     0.6666666666666666
     """
     numbered = [fold(name) != name for name in true_names]
+    known = truth >= 0
+    labels, truth, areas = labels[known], truth[known], areas[known]
     if not any(numbered[k] for k in np.unique(truth).tolist()):
         return None
     exact, kinds = np.array(names)[labels], np.array([fold(name) for name in names])[labels]

@@ -58,7 +58,7 @@ def draw_case(case: BenchmarkCase, recipe: Recipe, labels: IntArray, folder: Pat
     for k, path in enumerate(case.model.people[:2]):
         name = f"{case.model.number}-person-{k + 1}.png"
         if not (folder / name).exists():
-            _, parts = np.unique(read_labels(path, shape.n_elements).labels, return_inverse=True)
+            _, parts = np.unique(read_labels(path, shape, fill=True).labels, return_inverse=True)
             words = [f"part {number + 1}" for number in range(int(parts.max()) + 1)]
             title = f"{case.model.number}, person {k + 1}"
             drawn = render_picture(shape.geometry, parts, words, title=title, size=_SIZE)

@@ -25,6 +25,7 @@ def learn(
     out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
     check: Flag = False,
     names: str | None = None,
+    label_property: str | None = None,
     learner: str = "profiles",
     adjacency: str = "auto",
     seed: int = 0,
@@ -45,8 +46,8 @@ def learn(
     Parameters
     ----------
     examples
-        SHAPE=LABELS, with labels from .txt, .json, .ply, .glb, .npz, .seg or .npy; or a .ply or
-        .glb that bears its own.
+        SHAPE=LABELS, with labels from .txt, .json, .ply, .glb, .npz, .seg, .npy or others; or a
+        .ply, .obj, .stl or .glb that bears its own.
     out
         The recipe to write, a .toml file; else it is printed.
     check
@@ -54,6 +55,9 @@ def learn(
         goes.
     names
         What labels are called in files that only number them, from 0 on: body,leg,tail.
+    label_property
+        Name of the property, column or array that holds the labels, if not a usual one; the first
+        that a file has, of several: label,objectId.
     learner
         What learns, and how: profiles, "profiles(separate=5)".
     adjacency
@@ -83,10 +87,19 @@ def learn(
     processes = available_workers() if workers is None else SearchOptions(workers=workers).workers
     for word in examples:
         split_word(word)
+    asked = [name.strip() for name in (label_property or "").split(",") if name.strip()]
     called = None if names is None else [name.strip() for name in names.split(",")]
     read = []
     for word in examples:
-        read.append(read_example(word, names=called, adjacency=adjacency))
+        read.append(
+            read_example(
+                word,
+                names=called,
+                adjacency=adjacency,
+                label_property=asked,
+                tell=lambda note: _tell(note, quiet=quiet),
+            )
+        )
         _tell(f"{word}: {', '.join(read[-1].borne)}", quiet=quiet)
     recipe = learned(read, learner=learner)
     text = annotated(recipe)

@@ -66,9 +66,10 @@ class Sample:
         shape, groups = example.shape, Neighbourhoods.of(example.shape).groups
         members = np.arange(shape.n_elements) if groups.members is None else groups.members
         place = np.array([kinds.index(name) if name in kinds else -1 for name in example.names])
-        cell = members * len(kinds) + place[example.labels]
+        known = example.labels >= 0  # nothing is learned where nobody has said what it is
+        cell = (members * len(kinds) + place[example.labels])[known]
         shares: FloatArray = np.bincount(
-            cell, shape.areas / shape.area, groups.n_elements * len(kinds)
+            cell, (shape.areas / shape.area)[known], groups.n_elements * len(kinds)
         ).astype(np.float64)
         return cls(quantities(shape), shares.reshape(-1, len(kinds)))
 

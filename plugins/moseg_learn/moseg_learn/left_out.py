@@ -16,6 +16,7 @@ import numpy as np
 from moseg_core import (
     Choice,
     Example,
+    Labelling,
     MosegError,
     Progress,
     Recipe,
@@ -172,4 +173,6 @@ def cost_of(pieces: Pieces, recipe: Recipe) -> float:
     stated = replace(recipe.statement, variants=(tuple(label_of),))
     (task,) = replace(recipe, statement=stated).hierarchies()
     order = np.array([task.labels.index(label) for label in label_of])
-    return task.evaluate(pieces.shape, order[pieces.labels]).cost.value
+    # A cost is that of the whole shape, what nobody has labelled included.
+    whole = Labelling(labels=pieces.labels, names=pieces.kinds).filled(pieces.shape)
+    return task.evaluate(pieces.shape, order[whole]).cost.value

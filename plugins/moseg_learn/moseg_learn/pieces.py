@@ -7,11 +7,12 @@ one part.
 
 Labels that are drawn or cut leave scraps: a few faces of a leg on the other side of a crease. A
 piece of less than 0.2 % of the area is given to the piece with which it has the longest
-boundary, unless it is the largest of its name.
+boundary, unless it is the largest of its name. Elements without a label are in no piece.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,7 +21,7 @@ from scipy import sparse
 from scipy.sparse import csgraph
 from scipy.spatial import cKDTree
 
-from moseg_core import Example, Segmentation, Shape, coarsen
+from moseg_core import Example, Part, Segmentation, Shape, coarsen
 from moseg_learn.names import kind_of
 
 SCRAP = 0.002
@@ -39,7 +40,7 @@ class Pieces:
     shape : Shape
         The example's, or a coarse version of it.
     labels : (F of `shape`,) int
-        Number of the part of each element, from 0.
+        Number of the part of each element, from 0; -1 for one in none.
     kinds : tuple of str
         Of each part; larger parts of a kind come first.
     """
@@ -50,8 +51,19 @@ class Pieces:
 
     @property
     def segmentation(self) -> Segmentation:
-        """The same as a segmentation, for its parts to be measured."""
-        return Segmentation.from_labels(self.shape, self.labels, len(self.kinds))
+        """The same as a segmentation, for its parts to be measured.
+
+        What is in no piece makes one more part, the last.
+        """
+        n = len(self.kinds)
+        rest = self.labels < 0
+        labels = np.where(rest, n, self.labels)
+        return Segmentation.from_labels(self.shape, labels, n + bool(rest.any()))
+
+    @property
+    def parts(self) -> Sequence[Part]:
+        """The parts of :attr:`segmentation` that are pieces."""
+        return self.segmentation.parts[: len(self.kinds)]
 
     def counts(self) -> dict[str, int]:
         """How many parts there are of each kind, kinds in alphabetical order."""
@@ -74,7 +86,8 @@ class Pieces:
         """The same as an example, each element named by the kind of its part."""
         kinds = sorted(set(self.kinds))
         number = np.array([kinds.index(kind) for kind in self.kinds])
-        return Example(self.shape, number[self.labels], tuple(kinds))
+        labels = np.where(self.labels < 0, -1, number[self.labels])
+        return Example(self.shape, labels, tuple(kinds))
 
     def at(self, resolution: int) -> Pieces:
         """The same on super-elements, each of the part that has most of its area.
@@ -90,10 +103,12 @@ class Pieces:
         level = coarsen(self.shape, resolution)
         assert level.members is not None  # a coarse shape has them
         n = len(self.kinds)
-        code = np.asarray(level.members) * n + self.labels
-        areas = np.bincount(code, self.shape.areas, level.n_elements * n)
-        labels = areas.reshape(-1, n).argmax(axis=1)
-        if len(np.unique(labels)) < n:
+        # No piece is one more choice, the last.
+        code = np.asarray(level.members) * (n + 1) + np.where(self.labels < 0, n, self.labels)
+        areas = np.bincount(code, self.shape.areas, level.n_elements * (n + 1))
+        labels = areas.reshape(-1, n + 1).argmax(axis=1)
+        labels[labels == n] = -1
+        if len(np.unique(labels[labels >= 0])) < n:
             return self
         return Pieces(shape=level, labels=labels, kinds=self.kinds)
 
@@ -119,12 +134,14 @@ def pieces_of(example: Example, *, numbers: str = "alike", scrap: float = SCRAP)
     order = sorted(range(len(kinds)), key=lambda k: (kinds[k], -areas[k], k))
     number = np.empty(len(order), np.int64)
     number[order] = np.arange(len(order))
-    return Pieces(shape=shape, labels=number[piece], kinds=tuple(kinds[k] for k in order))
+    labels = np.where(piece < 0, -1, number[piece])
+    return Pieces(shape=shape, labels=labels, kinds=tuple(kinds[k] for k in order))
 
 
 def _areas(piece: IntArray, shape: Shape, n: int) -> FloatArray:
     """(n,) float: the area of each piece."""
-    areas: FloatArray = np.bincount(piece, shape.areas, n).astype(np.float64)
+    known = piece >= 0
+    areas: FloatArray = np.bincount(piece[known], shape.areas[known], n).astype(np.float64)
     return areas
 
 
@@ -137,9 +154,12 @@ def _scraps(areas: FloatArray, names: IntArray, least: float) -> npt.NDArray[np.
 
 
 def _connected(shape: Shape, labels: IntArray) -> tuple[IntArray, IntArray]:
-    """(F,) number of the connected piece of each element, and the label of each piece."""
-    piece, names = np.empty(len(labels), np.int64), list[int]()
-    for label in np.unique(labels).tolist():
+    """(F,) number of the connected piece of each element, and the label of each piece.
+
+    -1 for an element in none.
+    """
+    piece, names = np.full(len(labels), -1, np.int64), list[int]()
+    for label in np.unique(labels[labels >= 0]).tolist():
         elements = np.flatnonzero(labels == label)
         if shape.adjacency is None:
             count, own = 1, np.zeros(len(elements), np.int64)
@@ -152,14 +172,25 @@ def _connected(shape: Shape, labels: IntArray) -> tuple[IntArray, IntArray]:
 
 def _rejoined(piece: IntArray, names: IntArray, shape: Shape) -> tuple[IntArray, IntArray]:
     """The pieces that are left, numbered anew: one again where only a scrap had parted them."""
-    one, other = piece[shape.links.first], piece[shape.links.second]
+    one, other, _ = _ends(piece, shape)
     same = names[one] == names[other]
     n = len(names)
     graph = sparse.coo_array((np.ones(same.sum()), (one[same], other[same])), shape=(n, n))
     whole = csgraph.connected_components(graph, directed=False)[1]
-    left, number = np.unique(whole[piece], return_inverse=True)
+    known = piece >= 0
+    left, number = np.unique(whole[piece[known]], return_inverse=True)
     first = np.array([np.flatnonzero(whole == k)[0] for k in left])
-    return number.reshape(-1).astype(np.int64), names[first]
+    joined = np.full(len(piece), -1, np.int64)
+    joined[known] = number.reshape(-1)
+    return joined, names[first]
+
+
+def _ends(piece: IntArray, shape: Shape) -> tuple[IntArray, IntArray, FloatArray]:
+    """The pieces at both ends of each link between two of them, and its length."""
+    links = shape.links
+    one, other = piece[links.first], piece[links.second]
+    known = (one >= 0) & (other >= 0)
+    return one[known], other[known], links.lengths[known]
 
 
 def _without(small: npt.NDArray[np.bool_], piece: IntArray, shape: Shape) -> IntArray:
@@ -168,11 +199,11 @@ def _without(small: npt.NDArray[np.bool_], piece: IntArray, shape: Shape) -> Int
     A small piece that touches nothing, as a speck of a scan does, goes to the nearest element's.
     """
     n = len(small)
-    links = shape.links
+    none = piece < 0
     while True:
-        one, other = piece[links.first], piece[links.second]
+        one, other, length = _ends(piece, shape)
         ends = np.concatenate([np.stack([one, other], 1), np.stack([other, one], 1)])
-        lengths = np.tile(links.lengths, 2)
+        lengths = np.tile(length, 2)
         wanted = small[ends[:, 0]] & ~small[ends[:, 1]]
         if not wanted.any():
             break
@@ -181,9 +212,10 @@ def _without(small: npt.NDArray[np.bool_], piece: IntArray, shape: Shape) -> Int
         goes = np.arange(n)
         for k in np.argsort(shared, kind="stable").tolist():  # the longest boundary comes last
             goes[code[k] // n] = code[k] % n
-        piece = goes[piece]
-    left = small[piece]
+        piece = np.where(none, -1, goes[piece])
+    left = small[piece] & ~none
     if left.any():
-        nearest = cKDTree(shape.points[~left]).query(shape.points[left])[1]
-        piece[left] = piece[~left][nearest]
+        there = ~left & ~none
+        nearest = cKDTree(shape.points[there]).query(shape.points[left])[1]
+        piece[left] = piece[there][nearest]
     return piece

@@ -90,7 +90,7 @@ def measures_of(pieces: Pieces) -> tuple[tuple[str, ...], FloatArray, frozenset[
     ShapeError
         A part has no extent.
     """
-    found = [part.measure(MEASURE) for part in pieces.segmentation.parts]
+    found = [part.measure(MEASURE) for part in pieces.parts]
     return found[0]._fields, np.array(found, np.float64), frozenset(found[0].by_ratio)
 
 

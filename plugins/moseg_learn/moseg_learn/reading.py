@@ -1,23 +1,29 @@
 """Examples from files: ``SHAPE=LABELS``, or a shape that bears its labels itself.
 
-Labels are read in all formats that moseg reads labellings from; a shape bears its own where it is a
-``.ply`` with labels and their names, or a ``.glb`` of named nodes. Files that number labels without
-naming them, ``.seg`` above all, need the names said.
+Labels are read in all forms that moseg reads labellings in; a shape bears its own where it is a
+``.ply`` with labels, an ``.obj`` of groups, an ``.stl`` of solids or a ``.glb`` of nodes. Files
+that number labels without naming them, ``.seg`` above all, need the names said. Nothing is learned
+of elements without a label.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from moseg_core import Example, ShapeError, UsageError, load, read_labels
 
-OWN = (".ply", ".glb")
+OWN = (".ply", ".obj", ".stl", ".glb")
 """Suffixes of shapes that may bear labels."""
 
 
 def read_example(
-    word: str, *, names: Sequence[str] | None = None, adjacency: str = "auto"
+    word: str,
+    *,
+    names: Sequence[str] | None = None,
+    adjacency: str = "auto",
+    label_property: Sequence[str] = (),
+    tell: Callable[[str], None] | None = None,
 ) -> Example:
     """The example that a word of the command line stands for.
 
@@ -29,6 +35,10 @@ def read_example(
         What labels are called in files that have numbers only.
     adjacency : {"auto", "knn", "none"}
         Which elements touch: see :meth:`moseg_core.Shape.with_adjacency`.
+    label_property : sequence of str
+        Names of the property that holds the labels: see :func:`moseg_core.read_labels`.
+    tell : callable, optional
+        Called with each line that is to be said of how the labels were read.
 
     Raises
     ------
@@ -43,9 +53,12 @@ def read_example(
             raise UsageError(f"example '{word}': there is no file '{file}'")
     shape = load(path).with_adjacency(adjacency)
     try:
-        labelling = read_labels(labels, shape.n_elements)
+        labelling = read_labels(labels, shape, label_property=label_property)
     except (ShapeError, UsageError) as error:
         raise type(error)(f"example '{word}': {error}") from error
+    if tell is not None:
+        for note in labelling.notes:
+            tell(note)
     called = labelling.names
     if called is None:
         if names is None:

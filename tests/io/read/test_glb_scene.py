@@ -6,9 +6,7 @@ import trimesh
 from hypothesis import given
 from hypothesis import strategies as st
 
-from moseg_core.errors import ShapeError
-from moseg_core.io.label_files import read_labels
-from moseg_core.io.read.glb_scene import read_glb, read_glb_names
+from moseg_core.io.read.glb_scene import GlbPiece, read_glb, read_glb_pieces
 from tests.io.read.glb_files import CORNERS, FACES, TETRAHEDRON, glb, one_node, pack
 
 
@@ -287,24 +285,28 @@ def test_points_and_lines_are_said_to_be_passed_over(as_file):
     assert (shape.n_elements, shape.notes[0]) == (4, "lists of points or lines: 1; passed over")
 
 
-def test_triangles_are_labelled_by_the_nodes_they_belong_to(as_file):
+def test_pieces_are_called_by_node_mesh_and_material_in_the_order_of_the_triangles(as_file):
     meshes = [[TETRAHEDRON], [TETRAHEDRON, TETRAHEDRON]]
     nodes = [
         {"mesh": 0, "name": "leg", "children": [1]},
-        {"mesh": 1, "name": "body"},
+        {"mesh": 1, "name": ""},
         {"mesh": 0, "name": "leg"},
     ]
-    path = as_file("named.glb", pack(*glb(meshes, nodes, scenes=[{"nodes": [0, 2]}])))
-    labels, names = read_glb_names(path)
-    assert names == ("leg", "body")
-    assert labels.tolist() == [0] * 4 + [1] * 8 + [0] * 4
-    shape = read_glb(path)
-    assert read_labels(path, shape.n_elements).names == names
+    document, binary = glb(meshes, nodes, scenes=[{"nodes": [0, 2]}])
+    document["meshes"][1]["name"] = "shell"
+    document["materials"] = [{"name": "steel"}, {}]
+    document["meshes"][1]["primitives"][0]["material"] = 0
+    document["meshes"][1]["primitives"][1]["material"] = 1
+    path = as_file("named.glb", pack(document, binary))
 
+    def piece(place, **names):
+        return GlbPiece(
+            **({"node": None, "mesh": None, "material": None} | names), place=place, n_triangles=4
+        )
 
-def test_a_node_without_a_name_is_called_after_its_mesh_and_needs_one_of_the_two(as_file):
-    document, binary = glb([[TETRAHEDRON]], [{"mesh": 0}])
-    with pytest.raises(ShapeError, match="has a part without a name"):
-        read_glb_names(as_file("none.glb", pack(document, binary)))
-    document["meshes"][0]["name"] = "shell"
-    assert read_glb_names(as_file("mesh.glb", pack(document, binary)))[1] == ("shell",)
+    assert read_glb_pieces(path) == [
+        piece(0, node="leg"),
+        piece(1, mesh="shell", material="steel"),
+        piece(1, mesh="shell"),
+        piece(2, node="leg"),
+    ]

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from moseg_core.io.read.ply import read_ply, read_ply_label_names, read_ply_labels
+from moseg_core.io.read.ply import read_ply
 from tests.io.read.ply_files import (
     ASCII,
     BINARY,
@@ -25,7 +25,6 @@ def test_round_trip(data, form, as_file, polygon_meshes, polygons_of):
     assert shape.name == "random"
     np.testing.assert_array_equal(shape.geometry.vertices, vertices)
     assert polygons_of(shape) == faces
-    assert read_ply_labels(path) is None
 
 
 @given(data=st.data(), form=st.sampled_from(FORMATS))
@@ -59,7 +58,6 @@ def test_other_elements_and_properties_are_passed_over(
     shape = read_ply(path)
     np.testing.assert_array_equal(shape.geometry.vertices, vertices)
     assert polygons_of(shape) == faces
-    assert read_ply_labels(path).tolist() == labels
 
 
 @pytest.mark.parametrize(
@@ -83,34 +81,21 @@ def test_variants_of_the_format_read_alike(contents, as_file, polygons_of):
 
 
 @pytest.mark.parametrize("form", FORMATS)
-def test_labels_and_their_names(form, as_file):
-    comments = ["made by hand", "moseg label 1 upper arm", "moseg label 0 tail"]
-    path = as_file("labelled.ply", mesh_file(form, labels=[1, 0, 0, 1], comments=comments))
-    labels = read_ply_labels(path)
-    assert labels.tolist() == [1, 0, 0, 1]
-    assert labels.dtype == np.int64
-    assert read_ply_label_names(path) == {0: "tail", 1: "upper arm"}
-    assert read_ply(path).n_elements == 4
-
-
-@pytest.mark.parametrize("form", FORMATS)
 def test_vertices_without_faces_are_a_point_cloud(form, as_file):
     cloud = encode(form, [("vertex", ["float x", "float y", "float z"], VERTICES.tolist())])
     for contents in (cloud, mesh_file(form, faces=[])):
         shape = read_ply(as_file("cloud.ply", contents))
         assert (shape.name, shape.noun, shape.geometry.normals) == ("cloud", "point", None)
         np.testing.assert_array_equal(shape.points, VERTICES)
-        assert read_ply_labels(as_file("cloud.ply", contents)) is None
 
 
 @pytest.mark.parametrize("form", FORMATS)
-def test_normals_and_labels_of_points(form, as_file):
+def test_normals_of_points(form, as_file):
     rows = [[3, *row, 0.0, 0.5, 1.0] for row in VERTICES.tolist()]
     names = ["label", "x", "y", "z", "nx", "ny", "nz"]
     properties = [f"{'int' if name == 'label' else 'float'} {name}" for name in names]
     path = as_file("cloud.ply", encode(form, [("vertex", properties, rows)]))
     np.testing.assert_array_equal(read_ply(path).geometry.normals, [[0.0, 0.5, 1.0]] * 4)
-    assert read_ply_labels(path).tolist() == [3] * 4
 
 
 def test_a_file_without_vertices_is_refused(refusal):
@@ -137,41 +122,14 @@ def test_malformed_files_are_refused_with_the_reason(contents, message, refusal)
     assert message in refusal(read_ply, "bad.ply", contents)
 
 
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("float label", " has a face property 'label' that is not one integer"),
-        ("list uchar int label", " has a face property 'label' that is not one integer"),
-    ],
-)
-def test_labels_must_be_integers(text, message, refusal):
-    row = [[0, 1, 2], [1]] if "list" in text else [[0, 1, 2], 1.0]
-    face = ("face", ["list uchar int vertex_indices", text], [row])
-    assert message in refusal(read_ply_labels, "bad.ply", encode("ascii", [face]))
-
-
-@pytest.mark.parametrize(
-    ("comments", "message"),
-    [
-        (["moseg label 0"], " has the comment 'moseg label 0'; it must read 'moseg label <index>"),
-        (["moseg label x body"], " has the comment 'moseg label x body'"),
-        (["moseg label 0 a", "moseg label 0 b"], " names label 0 twice: 'a' and 'b'"),
-    ],
-)
-def test_comments_that_name_no_label(comments, message, refusal):
-    contents = mesh_file("ascii", labels=[0] * 4, comments=comments)
-    assert message in refusal(read_ply_label_names, "bad.ply", contents)
-
-
 @pytest.mark.parametrize("form", FORMATS)
 def test_damaged_bytes_are_read_or_refused(form, damages):
     contents = mesh_file(form, faces=[*FACES, [0, 1, 2, 3]], labels=range(5))
     assert damages(read_ply, "damaged.ply", contents) > 50
-    assert damages(read_ply_labels, "damaged.ply", contents) > 50
 
 
 @pytest.mark.parametrize("form", FORMATS)
-def test_faces_of_two_corners_are_no_elements_nor_are_their_labels(form, as_file, polygons_of):
+def test_faces_of_two_corners_are_no_elements(form, as_file, polygons_of):
     faces = [FACES[0], [0, 1], *FACES[1:]]
     path = as_file("x.ply", mesh_file(form, faces=faces, labels=range(5)))
     shape = read_ply(path)
@@ -180,4 +138,3 @@ def test_faces_of_two_corners_are_no_elements_nor_are_their_labels(form, as_file
         "faces of fewer than three corners: 1, the first in row 1 of the faces; they are"
         " passed over"
     )
-    assert read_ply_labels(path).tolist() == [0, 2, 3, 4]

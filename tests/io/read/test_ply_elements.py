@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from moseg_core.io.read.ply import read_ply, read_ply_labels
+from moseg_core.io.read.ply import read_ply
 from tests.io.read.ply_files import (
     ASCII,
     BINARY,
@@ -59,8 +59,7 @@ def test_rows_that_are_wrong_are_refused_with_the_reason(contents, message, refu
 @pytest.mark.parametrize("faces", [FACES, [*FACES[:3], [2, 0, 1, 3]]])
 def test_a_binary_file_that_is_cut_off_is_never_read(form, faces, accepted_cuts):
     contents = mesh_file(form, faces=faces, labels=[0, 1, 2, 3])
-    for reader in (read_ply, read_ply_labels):
-        assert accepted_cuts(reader, "cut.ply", contents) == {}
+    assert accepted_cuts(read_ply, "cut.ply", contents) == {}
 
 
 def test_a_text_file_that_is_cut_off_is_never_read_in_part(accepted_cuts, polygons_of):

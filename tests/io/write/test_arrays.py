@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from moseg_core.errors import ShapeError, UsageError
-from moseg_core.io.label_files import read_labels
+from moseg_core.io.labels import read_labels
 from moseg_core.io.read.ply import read_ply
 from moseg_core.io.write.arrays import encode_npy, encode_npz
 from moseg_core.io.write.ply import encode_points_ply
@@ -90,10 +90,11 @@ def test_labels_that_do_not_fit(encode, grid):
 @pytest.mark.parametrize(
     ("name", "contents", "message"),
     [
-        ("x.npz", b"PK\x03\x04", " has no array 'labels'"),
-        ("x.npz", b"text", " has no array 'labels'"),
-        ("x.npz", {"parts": [1]}, " has no array 'labels'"),
-        ("x.npz", {"labels": [0.5] * 4}, " holds float64 of shape (4,) instead of a row"),
+        ("x.npz", b"PK\x03\x04", " is no whole .npz file ("),
+        ("x.npz", b"text", " is no whole .npz file ("),
+        ("x.npz", {"parts": [1]}, " has 1 labels but the shape has 4 elements"),
+        ("x.npz", {"p": [1] * 4, "q": [1] * 4}, " has no array 'labels' but p, q; say which holds"),
+        ("x.npz", {"labels": [0.5] * 4}, " gives element 0 the label 0.5; labels are whole"),
         ("x.npz", {"labels": [0] * 4, "names": [[1]]}, " has an array 'names' that is not"),
         ("x.npz", {"labels": [0] * 3}, " has 3 labels but the shape has 4 elements"),
         ("x.npy", np.zeros((2, 2), int), " holds int64 of shape (2, 2) instead of a row"),

@@ -7,8 +7,8 @@ import pytest
 
 from moseg_core.clipping.clip import Clipped
 from moseg_core.errors import UsageError
-from moseg_core.io.label_files import read_labels
-from moseg_core.io.read.ply import read_ply, read_ply_label_names
+from moseg_core.io.labels import read_labels
+from moseg_core.io.read.ply import read_ply
 from moseg_core.io.write.formats import (
     check_writable,
     write_glb,
@@ -44,7 +44,7 @@ def test_a_mesh_stays_a_mesh_and_other_shapes_are_points_in_ply(box, cloud, as_f
     assert read_ply(as_file("box.ply", write_ply(result_on(box)))).geometry.kind == "polygon mesh"
     path = as_file("cloud.ply", write_ply(result_on(cloud)))
     assert read_ply(path).geometry.kind == "point cloud"
-    assert read_ply_label_names(path) == {0: "first", 1: "second"}
+    assert read_labels(path, cloud).names == ("first", "second")
 
 
 def test_a_clipped_result_shows_its_pieces(box, as_file):

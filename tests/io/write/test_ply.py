@@ -12,7 +12,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from moseg_core.errors import ShapeError, UsageError
-from moseg_core.io.read.ply import read_ply, read_ply_label_names, read_ply_labels
+from moseg_core.io.labels import read_labels
+from moseg_core.io.read.ply import read_ply
 from moseg_core.io.write.ply import encode_ply
 from moseg_core.shape.mesh import PolygonMesh
 
@@ -114,8 +115,9 @@ def test_moseg_reads_back_what_it_wrote(tmp_path):
     np.testing.assert_array_equal(geometry.vertices, mesh.vertices)
     np.testing.assert_array_equal(geometry.corners, mesh.corners)
     np.testing.assert_array_equal(geometry.offsets, mesh.offsets)
-    assert read_ply_labels(path).tolist() == [2, 0, 2]
-    assert read_ply_label_names(path) == {0: "head", 1: "unused", 2: "left arm ü"}
+    found = read_labels(path, 3)
+    assert found.labels.tolist() == [2, 0, 2]
+    assert found.names == ("head", "unused", "left arm ü")
 
 
 def test_names_cannot_break_the_header():

@@ -6,11 +6,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from moseg_core.errors import UsageError
-from moseg_core.io.label_files import encode_named_labels, encode_seg, read_labels, save_labels
+from moseg_core.io.labels import Labelling, encode_named_labels, encode_seg, read_labels
+from moseg_core.shape.shape import Shape
+from tests import shapes
 
 NAMED = "body\n1 3 4 \nupper arm\n5 2 \n"
 
@@ -32,56 +32,6 @@ end_header
 
 def result(labels: object, names: object = None) -> str:
     return json.dumps({"labels": labels, "problem": {"labels": names}, "cost": 0.5})
-
-
-@given(labels=st.lists(st.integers(0, 2**40), min_size=1, max_size=50))
-def test_seg_round_trip(labels, as_file):
-    found = read_labels(as_file("x.seg", encode_seg(np.array(labels))), len(labels))
-    assert found.labels.tolist() == labels
-    assert found.labels.dtype == np.int64
-    assert found.names is None
-
-
-NAMES = st.text(st.characters(codec="utf-8", categories=("L", "N", "P", "S", "Zs")), min_size=1)
-
-
-@given(data=st.data(), names=st.lists(NAMES, min_size=1, max_size=6, unique=True))
-def test_named_round_trip(data, names, as_file):
-    index = st.integers(0, len(names) - 1)
-    labels = data.draw(st.lists(index, min_size=1, max_size=40))
-    try:
-        contents = encode_named_labels(labels, names)
-    except UsageError:
-        # Only for names that could be mistaken, for example a number or one with outer blanks.
-        assert any(name != name.strip() or name.lstrip("+-")[:1].isdigit() for name in names)
-        return
-    found = read_labels(as_file("x.txt", contents), len(labels))
-    assert found.labels.tolist() == labels
-    assert found.names == tuple(names)
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        NAMED,
-        NAMED.replace("\n", "\r\n"),
-        "\n\n" + NAMED.replace("\nupper", "\n\n  \nupper") + "\n\n",
-        NAMED.rstrip(),
-        "\ufeff" + NAMED,
-        "body\n4\nupper arm\n2 5\n  body\n3\nbody \n1\n",
-        "body\n1 3 4\nupper arm\n2\nbody\n\nupper arm\n5",
-    ],
-)
-def test_variants_of_named_labels_read_alike(text, as_file):
-    found = read_labels(as_file("x.txt", text), 5)
-    assert found.labels.tolist() == [0, 1, 0, 0, 1]
-    assert found.names == ("body", "upper arm")
-
-
-def test_a_name_that_no_face_bears_keeps_its_place(as_file):
-    contents = encode_named_labels([0, 2], ["a", "b", "c"])
-    assert contents == b"a\n1\nb\n\nc\n2\n"
-    assert read_labels(as_file("x.txt", contents), 2).names == ("a", "b", "c")
 
 
 @pytest.mark.parametrize("names", [None, ["body", "arm", "leg"]])
@@ -111,13 +61,16 @@ def test_a_labelled_mesh(as_file):
         ("x.ply", PLY, " has 3 labels but the shape has 12 elements"),
         ("x.seg", "", " is empty"),
         ("x.seg", "\ufeff\n", " has 0 labels but the shape has 12 elements"),
-        ("x.seg", "0\n\n1\n-1\n", ", line 4: the label -1 is negative; labels count from 0"),
+        ("x.seg", "0\n\n1\n-2\n", ", line 4: the label -2 is negative; labels count from 0, and"),
         ("x.seg", "0\n1 2\n", ", line 2: expected one label, found 2 words"),
-        ("x.seg", "0\n1.0\n", ", line 2: '1.0' is not an integer"),
-        ("x.seg", "0\n99999999999999999999\n", ", line 2: '99999999999999999999' is not"),
+        ("x.seg", "0\n1.5\n", ", line 2: the label 1.5 is not a whole number"),
+        ("x.seg", "0\ninf\n", ", line 2: the label inf is not a whole number"),
+        ("x.seg", "0\n1\nleg\n", ", line 3: 'leg' is not an integer, which the labels before"),
+        ("x.seg", "0\n99999999999999999999\n", ", line 2: '99999999999999999999' is too large"),
+        ("x.seg", "-1\n" * 12, " gives a label to none of the 12 elements"),
         ("x.txt", "", " is empty"),
-        ("x.txt", "body\n1 2 3 4 5 6 7 8 9 10 12\n", " has no label for face 11 (1 such of 12)"),
-        ("x.txt", "body\n1\n", " has no label for face 2 (11 such of 12); every face needs one"),
+        ("x.txt", "body\n\n", " gives a label to none of the 12 elements"),
+        ("x.txt", "a b\n1 2\n2 1\n", " has 2 columns: a, b; say which holds the labels, by"),
         ("x.txt", "a\n1 2 3\nb\n4 2 5\n", ", line 4: face 2 stands on line 2 already; remove one"),
         ("x.txt", "a\n1 2 3 2\n", ", line 2: face 2 stands twice on this line; remove one"),
         ("x.txt", "a\n1 2\nb\n3 13\n", ", line 4: face 13 is none of the shape's faces, 1 to 12"),
@@ -130,16 +83,17 @@ def test_a_labelled_mesh(as_file):
         ("x.json", "{", " is not JSON ("),
         ("x.json", b'{"labels": "\xff"}', " is not JSON ("),
         ("x.json", "[" * 100_000, " is not JSON ("),
-        ("x.json", "[]", " has no list of integers 'labels'; give a result of moseg"),
-        ("x.json", result([0, 0.5]), " has no list of integers 'labels'"),
-        ("x.json", result([True] * 12), " has no list of integers 'labels'"),
+        ("x.json", "[]", " has 0 labels but the shape has 12 elements"),
+        ("x.json", "3", " has int where labels are looked for; allowed are a list with a label"),
+        ("x.json", result([0, 0.5]), " gives element 1 the label 0.5; labels are whole numbers"),
         ("x.json", result([2**70] * 12), " has labels that are too large"),
-        ("x.json", result([0] * 11 + [-2]), " gives element 11 the label -2; labels and elements"),
+        ("x.json", result([0] * 11 + [-2]), " gives element 11 the label -2; labels count"),
         ("x.json", result([0] * 12, "body"), " has a member problem.labels that is not a list"),
         ("x.json", result([0] * 12, [1, 2]), " has a member problem.labels that is not a list"),
         ("x.json", result([0] * 9 + [1] * 3, ["a"]), " gives element 9 the label 1, but names"),
         ("x.ply", "ply\n", " has no 'end_header'"),
-        ("x.ply", PLY.replace("uchar label", "uchar part"), " has no property 'label'"),
+        ("x.ply", PLY.replace("uchar label", "uchar red"), " has no property 'label'; give a file"),
+        ("x.ply", PLY.replace("uchar label", "uchar q"), " has no property 'label', or another"),
         ("x.ply", PLY.replace("label 0", "label 3"), " names 2 labels, but not label 0; name them"),
         ("x.ply", PLY.replace("2 1\n3", "2 7\n3").replace("face 3", "face 3"), " has 3 labels but"),
     ],
@@ -154,11 +108,15 @@ def test_labels_of_a_mesh_need_a_name_each(refusal):
     assert message.startswith(" gives element 1 the label 2, but names only 2 labels")
 
 
-@pytest.mark.parametrize("name", ["labels.csv", "labels", "labels.seg.gz"])
+@pytest.mark.parametrize("name", ["labels.xlsx", "labels", "labels.seg.gz"])
 def test_other_suffixes_are_refused_with_those_allowed(name, as_file):
-    with pytest.raises(
-        UsageError, match=r"allowed: \.seg, \.txt, \.json, \.ply, \.glb, \.npz, \.npy$"
-    ):
+    with pytest.raises(UsageError, match=r"allowed: \.seg, \.txt, .*, \.json, \.npy, .*, \.glb$"):
+        read_labels(as_file(name, "0\n"), 1)
+
+
+@pytest.mark.parametrize("name", ["x.eseg", "x.seseg"])
+def test_labels_of_edges_are_refused_as_such(name, as_file):
+    with pytest.raises(UsageError, match="has labels of edges, as MeshCNN writes them, and moseg"):
         read_labels(as_file(name, "0\n"), 1)
 
 
@@ -169,7 +127,6 @@ def test_labels_that_are_cut_off_are_never_read_in_part(accepted_cuts):
     whole = [0, 1, 0, 0, 1]
     for name, contents in [
         ("x.seg", encode_seg(whole)),
-        ("x.txt", NAMED.encode()),
         ("x.json", result(whole, ["body", "arm"]).encode()),
     ]:
         for stop, labels in accepted_cuts(read, name, contents).items():
@@ -177,29 +134,38 @@ def test_labels_that_are_cut_off_are_never_read_in_part(accepted_cuts):
             assert contents[stop:].strip() == b""
 
 
-@pytest.mark.parametrize(
-    ("labels", "names", "message"),
-    [
-        ([0, 2], ["a", "b"], "label 2 has no name; there are 2 names"),
-        ([0, -1], ["a"], "labels count from 0; element 1 has -1"),
-        ([[0]], ["a"], "labels must be a row of integers"),
-        ([0.5], ["a"], "labels must be a row of integers"),
-        ([0], ["a", "b", "a"], "the label name 'a' is repeated"),
-        ([0], [""], "the label name '' cannot be written"),
-        ([0], [" a"], "the label name ' a' cannot be written"),
-        ([0], ["a\nb"], r"the label name 'a\\nb' cannot be written"),
-        ([0], ["12"], "the label name '12' cannot be written"),
-        ([0], ["3 legs"], "the label name '3 legs' cannot be written"),
-    ],
-)
-def test_labels_that_cannot_be_written(labels, names, message):
-    with pytest.raises(UsageError, match=message):
-        encode_named_labels(labels, names)
+def test_named_lines_that_are_cut_off_leave_faces_without_a_label(accepted_cuts):
+    """What is missing behind the end of a line cannot be told from what was never labelled."""
+
+    def read(path: Path) -> Labelling:
+        return read_labels(path, 5)
+
+    whole = [0, 1, 0, 0, 1]
+    read_cuts = accepted_cuts(read, "x.txt", NAMED.encode())
+    assert len(read_cuts) > 3
+    for labelling in read_cuts.values():
+        cut = labelling.labels
+        assert cut[cut >= 0].tolist() == np.array(whole)[cut >= 0].tolist()
+        assert any("left out" in note for note in labelling.notes) == (cut < 0).any()
 
 
-def test_names_may_begin_with_a_digit_that_is_no_number(as_file):
-    contents = encode_named_labels([0, 1], ["1st leg", "-x"])
-    assert read_labels(as_file("x.txt", contents), 2).names == ("1st leg", "-x")
+def test_how_many_have_no_label_is_said_in_the_words_of_the_shape(as_file):
+    one = read_labels(as_file("x.seg", "0\n-1\n1\n"), 3)
+    assert one.labels.tolist() == [0, -1, 1]
+    assert one.notes == ("x.seg: 1 of 3 elements is unlabelled and left out",)
+    tiles = Shape.from_mesh(*shapes.strip(4))
+    two = read_labels(as_file("x.csv", "nan\n-1.0\n1\n0\n"), tiles)
+    assert two.labels.tolist() == [-1, -1, 1, 0]
+    assert two.notes == ("x.csv: 2 of 4 faces are unlabelled and left out",)
+
+
+def test_a_whole_labelling_can_be_asked_for(as_file):
+    tiles = Shape.from_mesh(*shapes.strip(4))
+    found = read_labels(as_file("x.seg", "3\n-1\n-1\n1\n"), tiles, fill=True)
+    assert found.labels.tolist() == [3, 3, 1, 1]
+    assert found.notes == (
+        "x.seg: 2 of 4 faces are unlabelled and counted as the nearest labelled",
+    )
 
 
 @pytest.mark.skipif("MOSEG_PSB" not in os.environ, reason="MOSEG_PSB names no benchmark folder")
@@ -218,21 +184,3 @@ def test_benchmark_labels_come_back_as_they_were_written(as_file):
             assert (
                 encode_seg(read_labels(seg, int(off[2])).labels).split() == seg.read_bytes().split()
             )
-
-
-def test_labels_are_saved_by_suffix(tmp_path):
-    save_labels([1, 0, 1], tmp_path / "x.SEG")
-    assert (tmp_path / "x.SEG").read_bytes() == b"1\n0\n1\n"
-    save_labels([1, 0, 1], str(tmp_path / "x.txt"), names=["a", "b"])
-    found = read_labels(tmp_path / "x.txt", 3)
-    assert (found.names[found.labels[0]], found.names[found.labels[1]]) == ("b", "a")
-
-
-@pytest.mark.parametrize(
-    ("name", "message"),
-    [("x.txt", "needs names"), ("x.json", "as .txt or .seg, not '.json'"), ("x", "not 'x'")],
-)
-def test_labels_that_cannot_be_saved_are_refused(tmp_path, name, message):
-    with pytest.raises(UsageError, match=message):
-        save_labels([0, 1], tmp_path / name)
-    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,133 @@
+"""Labels in numpy's files: an ``.npy`` row or grid, an array of an ``.npz`` archive.
+
+Rows of integers, whole floats, bools or names; a column or row of a matrix too. In a grid of three
+axes, as moseg writes for voxels, -1 stands where there is no element, and elements follow each
+other in C order.
+"""
+
+from __future__ import annotations
+
+import io
+import zlib
+from pathlib import Path
+from zipfile import BadZipFile
+
+import numpy as np
+import numpy.typing as npt
+
+from moseg_core.io.labels.listing import Listing, Wanted, numbered_names, whole_labels
+from moseg_core.io.labels.properties import chosen, plain
+from moseg_core.io.read.checked import file_error, read_file
+from moseg_core.io.read.grids import read_array
+
+_NAMES = frozenset(["name", "labelname", "classname", "classe", "category", "partname"])
+
+
+def read_npy(path: Path, wanted: Wanted) -> Listing:
+    """Read labels from an ``.npy`` file.
+
+    Raises
+    ------
+    ShapeError
+        The file cannot be read, or its array is no row of labels; says what it is.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = Path(folder) / "a.npy"
+    ...     np.save(file, np.array([1.0, 0.0]))
+    ...     read_npy(file, Wanted(n_elements=2)).labels.tolist()
+    [1, 0]
+    """
+    return _listing(path, read_array(path), wanted)
+
+
+def read_npz(path: Path, wanted: Wanted) -> Listing:
+    """Read labels from an ``.npz`` file: the array with a usual name, or the only one that fits.
+
+    Raises
+    ------
+    ShapeError
+        The file cannot be read, or has no such array; says which it has.
+    """
+    data = read_file(path)
+    try:
+        with np.load(io.BytesIO(data), allow_pickle=False) as archive:
+            arrays = {name: archive[name] for name in archive.files}
+    except (KeyError, ValueError, EOFError, OSError, BadZipFile, zlib.error) as problem:
+        raise file_error(path, f"is no whole .npz file ({problem}); save it anew") from problem
+    named = [name for name, array in arrays.items() if plain(name) in _NAMES and array.ndim == 1]
+    others = [name for name in arrays if name not in named] or list(arrays)
+    name, notes = chosen(path, "array", others, wanted.properties)
+    if name is None:
+        rows = [name for name in others if _is_row(arrays[name], wanted)]
+        if len(rows) != 1 and len(others) == 1:
+            rows = others
+        if len(rows) != 1:
+            raise file_error(
+                path,
+                f"has no array 'labels' but {', '.join(arrays) or 'none'}; say which holds the"
+                f" labels: --label-property {(rows or [*arrays, 'NAME'])[0]}",
+            )
+        name = rows[0]
+    found = _listing(path, arrays[name], wanted)
+    names = found.names
+    if names is None and named and named[0] != name:
+        listed = arrays[named[0]].tolist()
+        if not all(isinstance(each, str) for each in listed):
+            raise file_error(
+                path, f"has an array '{named[0]}' that is not a row of texts; save it anew"
+            )
+        names = tuple(listed)
+    elif names is None and "names" in arrays:
+        raise file_error(path, "has an array 'names' that is not a row of texts; save it anew")
+    return Listing(labels=found.labels, names=names, notes=notes)
+
+
+def _is_row(array: npt.NDArray[np.generic], wanted: Wanted) -> bool:
+    row = array.dtype.kind in "biufU" and array.size == max(array.shape, default=0)
+    return row and array.size in (wanted.n_elements, wanted.n_vertices)
+
+
+def _listing(path: Path, array: npt.NDArray[np.generic], wanted: Wanted) -> Listing:
+    if array.ndim == 2 and min(array.shape) == 1:
+        array = array.reshape(-1)
+    if array.ndim == 3 and array.dtype.kind in "iuf":
+        labels = whole_labels(path, array.reshape(-1), noun="cell")
+        return Listing(labels=labels[labels >= 0] if (labels < 0).any() else labels)
+    column: tuple[str, ...] = ()
+    if array.ndim == 2 and array.dtype.kind in "biuf":
+        array, column = _column(path, array, wanted)
+    if array.ndim == 1 and array.dtype.kind == "U":
+        words = [str(word) for word in array.tolist()]
+        if not words or not all(word.lstrip("+-").isdecimal() for word in words):
+            names_of, names = numbered_names(words)
+            return Listing(labels=names_of, names=names or None)
+        array = np.array(list(map(int, words)), np.int64)
+    if array.ndim != 1 or array.dtype.kind not in "biuf":
+        raise file_error(
+            path, f"holds {array.dtype} of shape {array.shape} instead of a row of whole labels"
+        )
+    return Listing(labels=whole_labels(path, array, noun=wanted.noun), notes=column)
+
+
+def _column(
+    path: Path, array: npt.NDArray[np.generic], wanted: Wanted
+) -> tuple[npt.NDArray[np.generic], tuple[str, ...]]:
+    """The column of a matrix that is asked for, or the label behind points."""
+    rows, width = array.shape
+    for name in wanted.properties:
+        if name.isdecimal() and 1 <= int(name) <= width:
+            return array[:, int(name) - 1], ()
+    last = array[:, -1].astype(np.float64)
+    if width in (4, 7, 10) and (np.isnan(last) | (np.floor(last) == last)).all():
+        return last, (f"{path.name}: labels are the last of {width} columns",)
+    if rows in (wanted.n_elements, wanted.n_vertices):
+        raise file_error(
+            path,
+            f"holds {array.dtype} of shape {array.shape} instead of a row of whole labels; if these"
+            " are scores of labels, save their argmax(axis=1); if one column holds the labels, say"
+            " which, from 1: --label-property 2",
+        )
+    return array, ()

@@ -1,0 +1,130 @@
+"""The one reader of labels: of any file that bears them, for a shape.
+
+By the suffix the file is read as a listing of labels, which is then fitted to the shape
+(:mod:`moseg_core.io.labels`).
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from moseg_core.errors import UsageError
+from moseg_core.io.labels.arrays import read_npy, read_npz
+from moseg_core.io.labels.fitting import fitted
+from moseg_core.io.labels.glb import read_glb_labels
+from moseg_core.io.labels.json_forms import read_json
+from moseg_core.io.labels.labelling import Labelling
+from moseg_core.io.labels.listing import Listing, Wanted
+from moseg_core.io.labels.obj import read_obj
+from moseg_core.io.labels.ply import read_ply
+from moseg_core.io.labels.stl import read_stl
+from moseg_core.io.labels.text import read_text
+from moseg_core.io.read.checked import file_error
+from moseg_core.shape.shape import Shape
+
+_READERS: dict[str, Callable[[Path, Wanted], Listing]] = {
+    **dict.fromkeys((".seg", ".txt", ".labels", ".label", ".lab", ".csv", ".tsv"), read_text),
+    **dict.fromkeys((".dat", ".xyz", ".pts", ".asc"), read_text),
+    ".json": read_json,
+    ".npy": read_npy,
+    ".npz": read_npz,
+    ".ply": read_ply,
+    ".obj": read_obj,
+    ".stl": read_stl,
+    ".glb": read_glb_labels,
+}
+_OF_EDGES = (".eseg", ".seseg")
+
+
+def read_labels(
+    path: str | os.PathLike[str],
+    shape: Shape | int,
+    *,
+    label_property: str | Sequence[str] = (),
+    fill: bool = False,
+) -> Labelling:
+    r"""Read the labelling of a shape, in any form that the suffix may have.
+
+    Parameters
+    ----------
+    path : path-like
+        Text (".seg", ".txt", ".labels", ".csv", ...), ".json", ".npy", ".npz", or a shape that
+        bears labels: ".ply", ".obj", ".stl" or ".glb".
+    shape : Shape or int
+        What the labels are of; or how many elements it has, and then labels of its vertices cannot
+        be told, nor labels of faces in another order.
+    label_property : str or sequence of str
+        What the property, column, array or member is called that holds the labels, where a file has
+        several; the first that there is. Usual names are known.
+    fill : bool
+        Whether elements without a label get that of the nearest element that has one; needs a
+        shape.
+
+    Returns
+    -------
+    Labelling
+        With one label for each element, -1 where there is none; its notes say what was passed
+        over, chosen or carried.
+
+    Raises
+    ------
+    UsageError
+        Another suffix.
+    ShapeError
+        The file cannot be read, is malformed, labels nothing, or does not fit the shape.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = Path(folder) / "cup_labels.txt"
+    ...     _ = file.write_text("body\n1 3\nhandle\n2\n")
+    ...     cup = read_labels(file, 4)
+    >>> cup.labels.tolist(), cup.names
+    ([0, 1, 0, -1], ('body', 'handle'))
+    >>> cup.notes
+    ('cup_labels.txt: 1 of 4 elements is unlabelled and left out',)
+    """
+    path = Path(path)
+    suffix = path.suffix.lower()
+    if suffix in _OF_EDGES:
+        raise UsageError(
+            f"{path.name}: '{suffix}' has labels of edges, as MeshCNN writes them, and moseg labels"
+            " faces; give the labels of the faces"
+        )
+    reader = _READERS.get(suffix)
+    if reader is None:
+        kind = f"'{path.suffix}'" if path.suffix else "no suffix"
+        raise UsageError(
+            f"{path.name}: cannot read labels from a file with {kind};"
+            f" allowed: {', '.join(_READERS)}"
+        )
+    asked = (label_property,) if isinstance(label_property, str) else tuple(label_property)
+    wanted = Wanted.of(shape, asked)
+    listing = reader(path, wanted)
+    labels, notes = fitted(path, listing, shape)
+    names = listing.names
+    if names is not None and labels.size and labels.max() >= len(names):
+        element = int(np.argmax(labels >= len(names)))
+        raise file_error(
+            path,
+            f"gives {wanted.noun} {element} the label {labels[element]}, but names only"
+            f" {len(names)} labels (both counted from 0)",
+        )
+    missing = int((labels < 0).sum())
+    if missing and missing == len(labels):
+        raise file_error(path, f"gives a label to none of the {missing} {wanted.noun}s")
+    found = Labelling(labels=labels, names=names)
+    if missing:
+        are = "is" if missing == 1 else "are"
+        said = f"{path.name}: {missing} of {len(labels)} {wanted.noun}s {are} unlabelled and"
+        if fill and isinstance(shape, Shape):
+            labels = found.filled(shape)
+            notes = (*notes, f"{said} counted as the nearest labelled")
+        else:
+            notes = (*notes, f"{said} left out")
+    return Labelling(labels=labels, names=names, notes=(*listing.notes, *notes))

@@ -1,0 +1,90 @@
+"""Labels in an STL file: the solids of a text file, or the attributes of a binary one.
+
+A text file may hold several solids, one behind the other, each with a name. Names that are all the
+same, or missing, tell nothing: then the solids are numbered. The two bytes behind each triangle of
+a binary file mean what its program likes, a colour or a number of a part; they are labels where
+they differ.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from moseg_core.io.labels.listing import Listing, Wanted, numbered_names
+from moseg_core.io.read.checked import file_error, read_file
+
+_HEADER = 84
+_TRIANGLE = np.dtype([("numbers", "<f4", 12), ("attribute", "<u2")])
+
+
+def read_stl(path: Path, wanted: Wanted) -> Listing:
+    r"""Read the solid of each triangle.
+
+    Parameters
+    ----------
+    path : Path
+    wanted : Wanted
+
+    Raises
+    ------
+    ShapeError
+        The file cannot be read, or does not tell its triangles apart.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> corners = "vertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0"
+    >>> facet = f"facet normal 0 0 1\nouter loop\n{corners}\nendloop\nendfacet\n"
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = Path(folder) / "a.stl"
+    ...     solids = [f"solid {name}\n{facet}endsolid {name}\n" for name in ("leg", "body")]
+    ...     _ = file.write_text("".join(solids))
+    ...     found = read_stl(file, Wanted(n_elements=2))
+    >>> found.labels.tolist(), found.names
+    ([0, 1], ('leg', 'body'))
+    """
+    data = read_file(path)
+    count = int.from_bytes(data[_HEADER - 4 : _HEADER], "little")
+    whole = len(data) == _HEADER + count * _TRIANGLE.itemsize
+    if whole or data.lstrip()[:5].lower() != b"solid" or b"\0" in data:
+        return _of_attributes(path, data, count)
+    solids: list[str] = []
+    sizes: list[int] = []
+    for line in data.splitlines():
+        words = line.split()
+        keyword = words[0].lower() if words else b""
+        if keyword == b"solid":
+            solids.append(b" ".join(words[1:]).decode("utf-8", "replace"))
+            sizes.append(0)
+        elif keyword == b"endfacet" and sizes:
+            sizes[-1] += 1
+    solids = [name for name, size in zip(solids, sizes, strict=True) if size]
+    sizes = [size for size in sizes if size]
+    if len(solids) < 2:
+        raise file_error(
+            path,
+            "has one solid, which tells no faces apart; export each part as a solid of its own, or"
+            " give a file of labels",
+        )
+    number = np.repeat(np.arange(len(solids)), sizes)
+    if len(set(solids)) == 1 or not all(solids):
+        note = f"{path.name}: its solids have no names of their own, and are numbered"
+        return Listing(labels=number, of="elements", notes=(note,))
+    labels, names = numbered_names(solids)
+    return Listing(labels=labels[number], names=names, of="elements")
+
+
+def _of_attributes(path: Path, data: bytes, count: int) -> Listing:
+    """A label for each value of the two bytes behind the triangles."""
+    there = max(0, min(count, (len(data) - _HEADER) // _TRIANGLE.itemsize))
+    attributes = np.frombuffer(data, _TRIANGLE, there, _HEADER if there else 0)["attribute"]
+    if len(np.unique(attributes)) < 2:
+        raise file_error(
+            path,
+            "is binary, and so names no solids, and the attributes of its triangles are all alike;"
+            " export it as text with a solid for each part, or give a file of labels",
+        )
+    note = f"{path.name}: labels are the attributes of its triangles"
+    return Listing(labels=attributes.astype(np.int64), of="elements", notes=(note,))
