@@ -16,11 +16,9 @@ import numpy as np
 import numpy.typing as npt
 
 from moseg_core.io.labels.listing import Listing, Wanted, numbered_names, whole_labels
-from moseg_core.io.labels.properties import chosen, plain
+from moseg_core.io.labels.properties import chosen, names_labels
 from moseg_core.io.read.checked import file_error, read_file
 from moseg_core.io.read.grids import read_array
-
-_NAMES = frozenset(["name", "labelname", "classname", "classe", "category", "partname"])
 
 
 def read_npy(path: Path, wanted: Wanted) -> Listing:
@@ -57,7 +55,12 @@ def read_npz(path: Path, wanted: Wanted) -> Listing:
             arrays = {name: archive[name] for name in archive.files}
     except (KeyError, ValueError, EOFError, OSError, BadZipFile, zlib.error) as problem:
         raise file_error(path, f"is no whole .npz file ({problem}); save it anew") from problem
-    named = [name for name, array in arrays.items() if plain(name) in _NAMES and array.ndim == 1]
+    counts = (wanted.n_elements, wanted.n_vertices)
+    named = [
+        name
+        for name, array in arrays.items()
+        if array.ndim == 1 and array.dtype.kind == "U" and names_labels(name, len(array), counts)
+    ]
     others = [name for name in arrays if name not in named] or list(arrays)
     name, notes = chosen(path, "array", others, wanted.properties)
     if name is None:
@@ -74,12 +77,7 @@ def read_npz(path: Path, wanted: Wanted) -> Listing:
     found = _listing(path, arrays[name], wanted)
     names = found.names
     if names is None and named and named[0] != name:
-        listed = arrays[named[0]].tolist()
-        if not all(isinstance(each, str) for each in listed):
-            raise file_error(
-                path, f"has an array '{named[0]}' that is not a row of texts; save it anew"
-            )
-        names = tuple(listed)
+        names = tuple(arrays[named[0]].tolist())
     elif names is None and "names" in arrays:
         raise file_error(path, "has an array 'names' that is not a row of texts; save it anew")
     return Listing(labels=found.labels, names=names, notes=notes)

@@ -90,7 +90,7 @@ def read_columns(path: Path, text: str, wanted: Wanted) -> Listing:
     if not rows.cells:
         return Listing(labels=np.empty(0, np.int64))
     width = len(rows.cells[0])
-    if len(rows.cells) == 1 and width > 1:
+    if len(rows.cells) == 1 and width > 1 and not rows.header:
         line = rows.lines[0]
         return _listing(path, rows.cells[0], [line] * width, wanted)
     for row, line in zip(rows.cells, rows.lines, strict=True):
@@ -116,11 +116,17 @@ def _rows(path: Path, text: str, wanted: Wanted) -> Rows:
     numbered = [(line, number) for line, number in numbered if not line.startswith(COMMENTS)]
     delimiter = next((d for d in _DELIMITERS if any(d in line for line, _ in numbered[:2])), None)
     if delimiter is None and not _all_numbers(line for line, _ in numbered[1:]):
-        cells = [[line] for line, _ in numbered]  # names may hold blanks
+        cells = [[_unquoted(line)] for line, _ in numbered]  # names may hold blanks
     else:
         cells = [_cells(line, delimiter) for line, _ in numbered]
+    if all(len(row) > 1 and not row[-1] for row in cells):  # lines end in a delimiter
+        cells = [row[:-1] for row in cells]
     lines = [number for _, number in numbered]
-    if cells and not any(map(_is_number, cells[0])) and _is_header(cells, wanted):
+    if (
+        cells
+        and not any(cell and _is_number(cell) for cell in cells[0])
+        and _is_header(cells, wanted)
+    ):
         return Rows(cells=cells[1:], lines=lines[1:], header=cells[0])
     header = _cells(said[-1].lstrip("#/% "), delimiter) if said and cells else []
     return Rows(
@@ -129,13 +135,16 @@ def _rows(path: Path, text: str, wanted: Wanted) -> Rows:
 
 
 def _cells(line: str, delimiter: str | None) -> Cells:
-    cells = [cell.strip().strip("\"'").strip() for cell in line.split(delimiter)]
-    return cells[:-1] if len(cells) > 1 and not cells[-1] else cells
+    return [_unquoted(cell) for cell in line.split(delimiter)]
+
+
+def _unquoted(cell: str) -> str:
+    return cell.strip().strip("\"'").strip()
 
 
 def _all_numbers(lines: Iterable[str]) -> bool:
     """Whether every word of every line is a number, or says that there is none."""
-    return all(_is_number(cell) for line in lines for cell in line.split())
+    return all(_is_number(_unquoted(cell)) for line in lines for cell in line.split())
 
 
 def _is_number(cell: str) -> bool:

@@ -23,7 +23,7 @@ from pathlib import Path
 import numpy as np
 
 from moseg_core.errors import ShapeError
-from moseg_core.io.labels.listing import Listing
+from moseg_core.io.labels.listing import Listing, middles
 from moseg_core.io.read.checked import file_error
 from moseg_core.shape.geometry import Geometry
 from moseg_core.shape.mesh import PolygonMesh
@@ -169,18 +169,16 @@ def _by_place(listing: Listing, mesh: Geometry) -> IntArray | None:
         return None
     if not np.isfinite(places).all():
         return None
-    sizes = np.diff(mesh.offsets)
-    middles = np.add.reduceat(mesh.vertices[mesh.corners], mesh.offsets[:-1]) / sizes[:, None]
+    points = middles(mesh)
     reach = _CLOSE * float(np.linalg.norm(np.ptp(mesh.vertices[mesh.corners], axis=0)))
-    reach += _SINGLE * float(np.abs(middles).max())
-    if len(middles) == len(places) and _near(places - middles, reach).all():
+    reach += _SINGLE * float(np.abs(points).max())
+    if len(points) == len(places) and _near(places - points, reach).all():
         return np.arange(len(places))
-    found = _at(places, middles, reach)
-    if (found >= 0).mean() < _MOST and not mesh.is_triangular:
+    found = _at(places, points, reach)
+    if not mesh.is_triangular and (found < 0).any():
         # Polygons that a program cut into triangles: the label of the first that is there.
         pieces = _at(places, mesh.vertices[mesh.triangles].mean(axis=1), reach)
-        there = np.flatnonzero(pieces >= 0)[::-1]
-        found = np.full(len(middles), -1, np.int64)
+        there = np.flatnonzero((pieces >= 0) & (found[mesh.triangle_polygon] < 0))[::-1]
         found[mesh.triangle_polygon[there]] = pieces[there]
     return found if (found >= 0).mean() >= _MOST else None
 

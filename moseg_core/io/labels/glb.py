@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from moseg_core.io.labels.listing import Listing, Wanted, numbered_names
+from moseg_core.io.labels.listing import Listing, Wanted, middles, numbered_names
 from moseg_core.io.labels.properties import chosen, plain
 from moseg_core.io.read.checked import file_error
 from moseg_core.io.read.glb_scene import read_glb, read_glb_pieces
@@ -68,14 +68,12 @@ def read_glb_labels(path: Path, wanted: Wanted) -> Listing:
         words = [name or f"node {place}" for name, place in nodes]
         notes = (f"{path.name} has nodes without a name, called by their numbers",)
     labels, names = numbered_names(words)
-    places = read_glb(path).geometry
-    corners = places.vertices[places.triangles]
     return Listing(
         labels=np.repeat(labels, sizes),
         names=names,
         of="elements",
         notes=notes,
-        places=corners.mean(axis=1),
+        places=middles(read_glb(path).geometry),
     )
 
 

@@ -32,7 +32,7 @@ from moseg_core.io.labels.listing import (
     numbered_names,
     whole_labels,
 )
-from moseg_core.io.labels.properties import chosen, familiar, plain
+from moseg_core.io.labels.properties import chosen, familiar, names_labels, plain
 from moseg_core.io.read.checked import file_error, read_file
 from moseg_core.types import UNLABELLED, IntArray
 
@@ -42,7 +42,6 @@ _FORMS = (
     ' "segIndices"'
 )
 _NUMBER = re.compile(r"-?[0-9]{1,18}")
-_NAMES = ("names", "labelnames", "classes", "classnames", "categories", "partnames")
 _RECORDS = (
     "part",
     "segment",
@@ -105,7 +104,7 @@ def _member(path: Path, document: dict[str, Any], wanted: Wanted) -> Listing:
             return _labels(path, document, wanted)
     held = [key for key, value in document.items() if isinstance(value, list | dict)]
     # The names of labels are no labels where something else is.
-    candidates = [key for key in held if plain(key) not in _NAMES] or held
+    candidates = [key for key in held if not _is_names(key, document[key], wanted)] or held
     name, notes = chosen(path, "member", candidates, wanted.properties)
     if name is None:
         records = [key for key in held if plain(key) in _RECORDS]
@@ -115,7 +114,7 @@ def _member(path: Path, document: dict[str, Any], wanted: Wanted) -> Listing:
     found = _labels(path, document[name], wanted)
     names = found.names
     if names is None:
-        names = _names(path, document, name)
+        names = _names(path, document, name, wanted)
     vertices = plain(name) in _FOR_VERTICES or plain(name).removesuffix("label") in _VERTICES
     return Listing(
         labels=found.labels,
@@ -125,7 +124,19 @@ def _member(path: Path, document: dict[str, Any], wanted: Wanted) -> Listing:
     )
 
 
-def _names(path: Path, document: Mapping[str, Any], labels: str) -> tuple[str, ...] | None:
+def _is_names(key: str, value: Any, wanted: Wanted) -> bool:
+    """Whether a member says what labels are called: a list or numbered map of texts."""
+    texts = list(value.values()) if isinstance(value, dict) else value
+    return (
+        isinstance(texts, list)
+        and all(isinstance(text, str) for text in texts)
+        and names_labels(key, len(texts), _counts(wanted))
+    )
+
+
+def _names(
+    path: Path, document: Mapping[str, Any], labels: str, wanted: Wanted
+) -> tuple[str, ...] | None:
     """What the document says that labels are called."""
     problem = document.get("problem", {})
     names, where = None, ""
@@ -133,7 +144,7 @@ def _names(path: Path, document: Mapping[str, Any], labels: str) -> tuple[str, .
         names, where = problem["labels"], "problem.labels"
     else:
         for key, value in document.items():
-            if key != labels and plain(key).removesuffix("s") in _singular(_NAMES):
+            if key == "names" or (key != labels and _is_names(key, value, wanted)):
                 names, where = value, key
                 break
     if isinstance(names, dict) and all(map(_NUMBER.fullmatch, names)):
@@ -146,10 +157,6 @@ def _names(path: Path, document: Mapping[str, Any], labels: str) -> tuple[str, .
     if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
         raise file_error(path, f"has a member {where} that is not a list of names")
     return tuple(names)
-
-
-def _singular(words: Sequence[str]) -> set[str]:
-    return {word.removesuffix("s") for word in words}
 
 
 def _labels(path: Path, value: Any, wanted: Wanted) -> Listing:

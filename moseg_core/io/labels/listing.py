@@ -16,6 +16,7 @@ import numpy.typing as npt
 
 from moseg_core.io.read.checked import file_error
 from moseg_core.io.read.text_rows import word
+from moseg_core.shape.geometry import Geometry
 from moseg_core.shape.shape import Shape
 from moseg_core.types import UNLABELLED, FloatArray, IntArray
 
@@ -89,6 +90,13 @@ class Listing:
     places: FloatArray | None = None
     source: IntArray | None = None
     weights: FloatArray | None = None
+
+
+def middles(mesh: Geometry) -> FloatArray:
+    """(F, 3) float: the middle of the corners of each element, by which a face is known again."""
+    sizes = np.diff(mesh.offsets)
+    summed: FloatArray = np.add.reduceat(mesh.vertices[mesh.corners], mesh.offsets[:-1])
+    return summed / sizes[:, None]
 
 
 def whole_labels(

@@ -10,16 +10,17 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from moseg_core.io.labels.listing import Listing, Wanted, numbered_names
+from moseg_core.io.labels.listing import Listing, Wanted, middles, numbered_names
 from moseg_core.io.labels.properties import chosen, plain
 from moseg_core.io.read.checked import file_error, read_file
+from moseg_core.io.read.obj import read_obj
 from moseg_core.io.read.text_rows import text_rows
 
 _KINDS = {b"g": "group", b"o": "object", b"usemtl": "material"}
 _LEAST_CORNERS = 3  # of a face; others are edges, which are no elements
 
 
-def read_obj(path: Path, wanted: Wanted) -> Listing:
+def read_obj_labels(path: Path, wanted: Wanted) -> Listing:
     r"""Read the names under which the faces of an OBJ file stand.
 
     Parameters
@@ -30,18 +31,20 @@ def read_obj(path: Path, wanted: Wanted) -> Listing:
     Raises
     ------
     ShapeError
-        The file cannot be read, or names nothing.
+        The file cannot be read, is no mesh, or names nothing.
 
     Examples
     --------
     >>> import tempfile
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     file = Path(folder) / "a.obj"
-    ...     _ = file.write_text("g leg\nf 1 2 3\nf 2 3 4\ng body\nf 3 4 5\n")
-    ...     found = read_obj(file, Wanted(n_elements=3))
+    ...     vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\n"
+    ...     _ = file.write_text(f"{vertices}g leg\nf 1 2 3\ng body\nf 2 4 3\n")
+    ...     found = read_obj_labels(file, Wanted(n_elements=2))
     >>> found.labels.tolist(), found.names
-    ([0, 0, 1], ('leg', 'body'))
+    ([0, 1], ('leg', 'body'))
     """
+    places = middles(read_obj(path).geometry)
     rows, _ = text_rows(read_file(path), continuation=True)
     current: dict[str, str | None] = dict.fromkeys(_KINDS.values())
     said: dict[str, list[str | None]] = {kind: [] for kind in current}
@@ -74,4 +77,4 @@ def read_obj(path: Path, wanted: Wanted) -> Listing:
                 f" {' or '.join(others)}; --label-property says which",
             )
     labels, found = read[kind]
-    return Listing(labels=labels, names=found, of="elements", notes=notes)
+    return Listing(labels=labels, names=found, of="elements", notes=notes, places=places)

@@ -27,7 +27,7 @@ _LISTS = ("vertex_indices", "vertex_index")
 _OTHERS = re.compile(r"(x|y|z|n[xyz]|u|v|s|t|red|green|blue|alpha|[rgba]|source)$")
 
 
-def read_ply(path: Path, wanted: Wanted) -> Listing:
+def read_ply_labels(path: Path, wanted: Wanted) -> Listing:
     r"""Read the labels of the faces of a PLY file, or of its vertices.
 
     Parameters
@@ -48,7 +48,7 @@ def read_ply(path: Path, wanted: Wanted) -> Listing:
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     file = Path(folder) / "two.ply"
     ...     _ = file.write_text("\n".join([*header, "end_header", "0 0 0 4", "1 0 0 2", ""]))
-    ...     read_ply(file, Wanted(n_elements=2)).labels.tolist()
+    ...     read_ply_labels(file, Wanted(n_elements=2)).labels.tolist()
     [4, 2]
     """
     data = read_file(path)
@@ -66,14 +66,19 @@ def read_ply(path: Path, wanted: Wanted) -> Listing:
             f"has a {bearer} property '{name}' that is a list, not one number; export it as int",
         )
     labels = whole_labels(path, column, noun=bearer)
+    kept = np.arange(len(labels))
+    if bearer == "face" and isinstance(lists, PlyLists):
+        kept = np.flatnonzero(np.diff(lists.offsets) > 2)  # others are no elements
+    labels = labels[kept]
     names = _names(path, header)
     of_faces = bearer == "face"
     places = weights = source = None
     if of_faces and isinstance(lists, PlyLists):
         places, areas = _places(vertices, lists)
+        places, areas = (None if each is None else each[kept] for each in (places, areas))
         pieces = faces.get("source")
         if pieces is not None and not isinstance(pieces, PlyLists) and pieces.dtype.kind in "iu":
-            source, weights = pieces.astype(np.int64), areas
+            source, weights = pieces.astype(np.int64)[kept], areas
     return Listing(
         labels=labels,
         names=names or None,

@@ -10,7 +10,7 @@ taken is said.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Container, Iterable, Sequence
 from pathlib import Path
 
 from moseg_core.errors import nearest
@@ -25,6 +25,8 @@ _FAMILIAR = (
 )
 """Names of labels, as :func:`plain` writes them, the surest first."""
 
+_NAMES = frozenset(["name", "labelname", "class", "classname", "category", "partname"])
+
 _TAIL = re.compile(r"(ids?|index|indices|idx|numbers?)$")
 
 
@@ -38,7 +40,9 @@ def plain(name: str) -> str:
     """
     word = re.sub(r"[^a-z0-9]", "", name.lower().removeprefix("scalar_"))
     word = _TAIL.sub("", word) or word
-    return "class" if word in ("class", "classes") else word.removesuffix("s")
+    if word in ("class", "classes"):
+        return "class"
+    return word[:-3] + "y" if word.endswith("ies") else word.removesuffix("s")
 
 
 def familiar(names: Iterable[str]) -> list[str]:
@@ -51,6 +55,26 @@ def familiar(names: Iterable[str]) -> list[str]:
     """
     known = [name for name in names if _rank(name) < len(_FAMILIAR)]
     return sorted(known, key=_rank)
+
+
+def names_labels(name: str, count: int, counts: Container[int | None]) -> bool:
+    """Whether a list says what labels are called, and not which label there is.
+
+    Parameters
+    ----------
+    name : str
+        Of the list.
+    count : int
+        How many texts it holds.
+    counts : container of int
+        How many there are of what may bear labels.
+
+    Examples
+    --------
+    >>> names_labels("class_names", 4, [252]), names_labels("classes", 252, [252])
+    (True, False)
+    """
+    return plain(name) in _NAMES and count not in counts
 
 
 def _rank(name: str) -> int:

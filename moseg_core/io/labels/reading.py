@@ -19,9 +19,9 @@ from moseg_core.io.labels.glb import read_glb_labels
 from moseg_core.io.labels.json_forms import read_json
 from moseg_core.io.labels.labelling import Labelling
 from moseg_core.io.labels.listing import Listing, Wanted
-from moseg_core.io.labels.obj import read_obj
-from moseg_core.io.labels.ply import read_ply
-from moseg_core.io.labels.stl import read_stl
+from moseg_core.io.labels.obj import read_obj_labels
+from moseg_core.io.labels.ply import read_ply_labels
+from moseg_core.io.labels.stl import read_stl_labels
 from moseg_core.io.labels.text import read_text
 from moseg_core.io.read.checked import file_error
 from moseg_core.shape.shape import Shape
@@ -32,10 +32,11 @@ _READERS: dict[str, Callable[[Path, Wanted], Listing]] = {
     ".json": read_json,
     ".npy": read_npy,
     ".npz": read_npz,
-    ".ply": read_ply,
-    ".obj": read_obj,
-    ".stl": read_stl,
+    ".ply": read_ply_labels,
+    ".obj": read_obj_labels,
+    ".stl": read_stl_labels,
     ".glb": read_glb_labels,
+    ".gltf": read_glb_labels,
 }
 _OF_EDGES = (".eseg", ".seseg")
 

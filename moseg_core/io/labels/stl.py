@@ -12,14 +12,16 @@ from pathlib import Path
 
 import numpy as np
 
-from moseg_core.io.labels.listing import Listing, Wanted, numbered_names
+from moseg_core.io.labels.listing import Listing, Wanted, middles, numbered_names
 from moseg_core.io.read.checked import file_error, read_file
+from moseg_core.io.read.stl import read_stl
+from moseg_core.types import FloatArray
 
 _HEADER = 84
 _TRIANGLE = np.dtype([("numbers", "<f4", 12), ("attribute", "<u2")])
 
 
-def read_stl(path: Path, wanted: Wanted) -> Listing:
+def read_stl_labels(path: Path, wanted: Wanted) -> Listing:
     r"""Read the solid of each triangle.
 
     Parameters
@@ -30,7 +32,7 @@ def read_stl(path: Path, wanted: Wanted) -> Listing:
     Raises
     ------
     ShapeError
-        The file cannot be read, or does not tell its triangles apart.
+        The file cannot be read, is no mesh, or does not tell its triangles apart.
 
     Examples
     --------
@@ -41,15 +43,16 @@ def read_stl(path: Path, wanted: Wanted) -> Listing:
     ...     file = Path(folder) / "a.stl"
     ...     solids = [f"solid {name}\n{facet}endsolid {name}\n" for name in ("leg", "body")]
     ...     _ = file.write_text("".join(solids))
-    ...     found = read_stl(file, Wanted(n_elements=2))
+    ...     found = read_stl_labels(file, Wanted(n_elements=2))
     >>> found.labels.tolist(), found.names
     ([0, 1], ('leg', 'body'))
     """
+    places = middles(read_stl(path).geometry)
     data = read_file(path)
     count = int.from_bytes(data[_HEADER - 4 : _HEADER], "little")
     whole = len(data) == _HEADER + count * _TRIANGLE.itemsize
     if whole or data.lstrip()[:5].lower() != b"solid" or b"\0" in data:
-        return _of_attributes(path, data, count)
+        return _of_attributes(path, data, places)
     solids: list[str] = []
     sizes: list[int] = []
     for line in data.splitlines():
@@ -71,15 +74,14 @@ def read_stl(path: Path, wanted: Wanted) -> Listing:
     number = np.repeat(np.arange(len(solids)), sizes)
     if len(set(solids)) == 1 or not all(solids):
         note = f"{path.name}: its solids have no names of their own, and are numbered"
-        return Listing(labels=number, of="elements", notes=(note,))
+        return Listing(labels=number, of="elements", notes=(note,), places=places)
     labels, names = numbered_names(solids)
-    return Listing(labels=labels[number], names=names, of="elements")
+    return Listing(labels=labels[number], names=names, of="elements", places=places)
 
 
-def _of_attributes(path: Path, data: bytes, count: int) -> Listing:
+def _of_attributes(path: Path, data: bytes, places: FloatArray) -> Listing:
     """A label for each value of the two bytes behind the triangles."""
-    there = max(0, min(count, (len(data) - _HEADER) // _TRIANGLE.itemsize))
-    attributes = np.frombuffer(data, _TRIANGLE, there, _HEADER if there else 0)["attribute"]
+    attributes = np.frombuffer(data, _TRIANGLE, len(places), _HEADER)["attribute"]
     if len(np.unique(attributes)) < 2:
         raise file_error(
             path,
@@ -87,4 +89,4 @@ def _of_attributes(path: Path, data: bytes, count: int) -> Listing:
             " export it as text with a solid for each part, or give a file of labels",
         )
     note = f"{path.name}: labels are the attributes of its triangles"
-    return Listing(labels=attributes.astype(np.int64), of="elements", notes=(note,))
+    return Listing(labels=attributes.astype(np.int64), of="elements", notes=(note,), places=places)

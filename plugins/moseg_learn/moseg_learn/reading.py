@@ -13,7 +13,7 @@ from pathlib import Path
 
 from moseg_core import Example, ShapeError, UsageError, load, read_labels
 
-OWN = (".ply", ".obj", ".stl", ".glb")
+OWN = (".ply", ".obj", ".stl", ".glb", ".gltf")
 """Suffixes of shapes that may bear labels."""
 
 

@@ -110,7 +110,9 @@ def test_labels_of_a_mesh_need_a_name_each(refusal):
 
 @pytest.mark.parametrize("name", ["labels.xlsx", "labels", "labels.seg.gz"])
 def test_other_suffixes_are_refused_with_those_allowed(name, as_file):
-    with pytest.raises(UsageError, match=r"allowed: \.seg, \.txt, .*, \.json, \.npy, .*, \.glb$"):
+    with pytest.raises(
+        UsageError, match=r"allowed: \.seg, \.txt, .*, \.json, \.npy, .*, \.glb, \.gltf$"
+    ):
         read_labels(as_file(name, "0\n"), 1)
 
 

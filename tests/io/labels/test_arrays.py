@@ -1,0 +1,95 @@
+"""Labels in numpy's files."""
+
+from __future__ import annotations
+
+import io
+
+import numpy as np
+import pytest
+
+from moseg_core.io.labels.arrays import read_npy, read_npz
+from moseg_core.io.labels.listing import Wanted
+
+WANTED = Wanted(n_elements=3, n_vertices=5, noun="face")
+MINE = Wanted(n_elements=3, properties=("mine",))
+
+
+def npy(array) -> bytes:
+    stream = io.BytesIO()
+    np.save(stream, array)
+    return stream.getvalue()
+
+
+def npz(**arrays) -> bytes:
+    stream = io.BytesIO()
+    np.savez(stream, **{name: np.array(array) for name, array in arrays.items()})
+    return stream.getvalue()
+
+
+@pytest.mark.parametrize(
+    "array",
+    [
+        np.array([1, 0, 1], np.uint8),
+        np.array([1.0, 0.0, 1.0], ">f4"),
+        np.array([True, False, True]),
+        np.array([[1], [0], [1]]),
+        np.array([[1, 0, 1]]),
+        np.array(["1", "0", "1"]),
+        np.array([[0.5, 0, 0, 1], [0, 0.5, 0, 0], [0, 0, 0.5, 1]]),
+    ],
+)
+def test_rows(array, as_file):
+    assert read_npy(as_file("x.npy", npy(array)), WANTED).labels.tolist() == [1, 0, 1]
+
+
+def test_names(as_file):
+    found = read_npy(as_file("x.npy", npy(np.array(["leg", "", "arm"]))), WANTED)
+    assert (found.labels.tolist(), found.names) == ([0, -1, 1], ("leg", "arm"))
+
+
+def test_a_grid_lists_the_cells_that_have_a_label(as_file):
+    grid = np.array([[[2, -1], [0, -1]], [[-1, -1], [1, 1]]])
+    for array in (grid, grid.astype(float)):
+        found = read_npy(as_file("x.npy", npy(array)), WANTED)
+        assert found.labels.tolist() == [2, 0, 1, 1]
+
+
+@pytest.mark.parametrize(
+    "arrays",
+    [
+        {"labels": [1, 0, 1]},
+        {"arr_0": [1, 0, 1]},
+        {"vertices": np.zeros((5, 3)), "seg": [1, 0, 1]},
+        {"vertices": np.zeros((5, 3)), "faces": np.zeros((3, 3), int), "q": [1, 0, 1]},
+        {"part_id": [1.0, 0.0, 1.0], "areas": [0.5, 0.5, 0.5]},
+        {"labels": [9, 9, 9], "mine": [1, 0, 1]},
+    ],
+)
+def test_archives(arrays, as_file):
+    wanted = MINE if "mine" in arrays else WANTED
+    assert read_npz(as_file("x.npz", npz(**arrays)), wanted).labels.tolist() == [1, 0, 1]
+
+
+@pytest.mark.parametrize("name", ["names", "label_names", "classes"])
+def test_names_in_an_archive(name, as_file):
+    found = read_npz(as_file("x.npz", npz(labels=[1, 0], **{name: ["arm", "leg"]})), WANTED)
+    assert (found.labels.tolist(), found.names) == ([1, 0], ("arm", "leg"))
+
+
+@pytest.mark.parametrize(
+    ("reader", "contents", "message"),
+    [
+        (
+            read_npy,
+            npy(np.zeros((3, 5))),
+            " holds float64 of shape (3, 5) instead of a row of whol",
+        ),
+        (read_npy, npy(np.zeros((2, 2, 2, 2))), " holds float64 of shape (2, 2, 2, 2) instead of"),
+        (read_npy, npy(np.array([0.5])), " gives face 0 the label 0.5; labels are whole numbers"),
+        (read_npz, npz(a=[0, 0, 0], b=[1, 1, 1]), " has no array 'labels' but a, b; say which"),
+        (read_npz, npz(labels=[0], names=[1]), " has an array 'names' that is not a row of texts"),
+        (read_npz, b"PK", " is no whole .npz file ("),
+    ],
+)
+def test_what_is_refused(reader, contents, message, refusal):
+    assert refusal(lambda path: reader(path, WANTED), "x.npz", contents).startswith(message)
