@@ -234,3 +234,51 @@ def test_refuses_labels_of_another_shape(moseg, mallet, segmented, tmp_path):
     run = moseg("evaluate", mallet, segmented, seg)
     assert run.code == 3
     assert "2 labels" in run.err
+
+
+def test_faces_without_a_label_on_either_side_are_left_out_and_said_once(
+    moseg, mallet, shape, cases, tmp_path
+):
+    found, true = cases["labels"]
+    rng = np.random.default_rng(0)
+    some, others = (rng.random(len(found)) < 0.2 for _ in range(2))
+    for name, labels in (("f", np.where(some, -1, found)), ("t", np.where(others, -1, true))):
+        (tmp_path / f"{name}.seg").write_bytes(encode_seg(labels))
+    paths = tmp_path / "f.seg", tmp_path / "t.seg"
+    run = moseg("evaluate", mallet, *paths, tmp_path / "t.seg", "--json")
+    row = json.loads(run.out)["truths"][0]
+    known = ~some & ~others
+    assert row["rand_index_error"] == rand_index_error(found[known], true[known])
+    areas = shape.areas[known]
+    assert row["rand_index_error_by_area"] == rand_index_error(found[known], true[known], areas)
+    assert run.err.splitlines() == [
+        f"moseg: f.seg: {some.sum()} of {len(found)} faces are unlabelled and left out",
+        f"moseg: t.seg: {others.sum()} of {len(found)} faces are unlabelled and left out",
+    ]
+
+
+def test_labellings_that_no_face_has_in_common_are_refused(moseg, mallet, shape, tmp_path):
+    half = np.arange(shape.n_elements) % 2
+    for name, labels in (("a", np.where(half, 3, -1)), ("b", np.where(half, -1, 3))):
+        (tmp_path / f"{name}.seg").write_bytes(encode_seg(labels))
+    run = moseg("evaluate", mallet, tmp_path / "a.seg", tmp_path / "b.seg")
+    assert run.code == 2
+    assert "no face has a label both in a.seg and in b.seg; there is nothing to comp" in run.err
+
+
+def test_the_property_that_holds_the_labels_may_be_named(moseg, mallet, cases, tmp_path):
+    labels = cases["labels"][0]
+    table = tmp_path / "two.csv"
+    rows = "".join(f"{label},{label % 2}\n" for label in labels)
+    table.write_text(f"label,parity\n{rows}")
+    told = {
+        asked: json.loads(moseg("evaluate", mallet, table, cases["found"], "--json", *asked).out)[
+            "truths"
+        ][0]["rand_index_error"]
+        for asked in ((), ("--label-property", "parity"), ("--label-property", "q,label"))
+    }
+    assert told[()] == told["--label-property", "q,label"] == 0.0
+    assert told["--label-property", "parity"] == rand_index_error(labels % 2, labels) > 0
+    run = moseg("evaluate", mallet, table, cases["found"], "--label-property", "q")
+    assert run.code == 3
+    assert "two.csv has no column 'q'; it has label, parity" in run.err

@@ -92,3 +92,19 @@ def test_explain_of_a_labelling_with_an_empty_part(moseg, mallet, segmented, tmp
     assert run.code == 0
     assert "part 'head' is empty" in run.err
     assert "left out" in run.out
+
+
+def test_faces_without_a_label_count_as_the_nearest(moseg, mallet, segmented, tmp_path):
+    labels = json.loads(segmented.read_text())["labels"]
+    partly = tmp_path / "partly.seg"
+    partly.write_text(
+        "".join(f"{-1 if k % 40 == 5 else label}\n" for k, label in enumerate(labels))
+    )
+    asked = ("explain", mallet, "--recipe", "paper_hammer", "--json", "--parts")
+    whole, run = moseg(*asked, segmented), moseg(*asked, partly)
+    missing = len(range(5, len(labels), 40))
+    assert run.code == 0
+    said = f"{missing} of {len(labels)} faces are unlabelled and counted as the nearest labelled"
+    assert run.err == f"moseg: partly.seg: {said}\n"
+    cost, partial = (json.loads(each.out)["cost"]["value"] for each in (whole, run))
+    assert partial == pytest.approx(cost, rel=0.05)

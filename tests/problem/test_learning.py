@@ -57,6 +57,17 @@ def test_an_example_keeps_labels_of_its_own():
     assert kept.borne == ("a",)
 
 
+def test_elements_of_an_example_may_have_no_label():
+    labels = np.full(STRIP.n_elements, -1)
+    with pytest.raises(ShapeError, match=r"has a label$"):
+        example(labels=labels)
+    labels[-1] = 0
+    assert example(labels=labels).borne == ("a",)
+    labels[0] = -2
+    with pytest.raises(ShapeError, match=r", and -1 where there is none$"):
+        example(labels=labels)
+
+
 def test_examples_that_do_not_fit_are_refused():
     with pytest.raises(ShapeError, match="one label for each"):
         example(labels=[0])

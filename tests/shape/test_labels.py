@@ -50,3 +50,13 @@ def test_a_coarse_shape_has_as_many_labels_as_super_elements():
     assert len(checked_labels(coarse, np.zeros(coarse.n_elements, int), 1)) == coarse.n_elements
     with pytest.raises(ShapeError, match=f"each of the {coarse.n_elements} faces"):
         checked_labels(coarse, np.zeros(ball.n_elements, int), 1)
+
+
+def test_no_label_is_one_only_where_that_is_asked_for():
+    mesh = Shape.from_mesh(*shapes.strip(3))
+    with pytest.raises(ShapeError, match=r"allowed are 0 to 1$"):
+        checked_labels(mesh, [0, -1, 1], 2)
+    assert checked_labels(mesh, [0, -1, 1], 2, unlabelled=True).tolist() == [0, -1, 1]
+    for wrong in (-2, 2):
+        with pytest.raises(ShapeError, match="allowed are 0 to 1, and -1 where there is none"):
+            checked_labels(mesh, [0, wrong, 1], 2, unlabelled=True)

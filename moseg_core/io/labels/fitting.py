@@ -2,12 +2,12 @@
 
 In this order:
 
-1. Labels that come with the *places* of faces belong to the elements that lie there, when most
+1. Labels of *pieces*, each of which says what it was cut from, go to the element that they are
+   pieces of: that label which most of its area has.
+2. Labels that come with the *places* of faces belong to the elements that lie there, when most
    elements lie at one: the order of the file plays no role then, which differs where a program
    has sorted faces by part, as a GLB file does. Where the places are others, the shape having
    been moved or scaled, the order counts.
-2. Labels of *pieces*, each of which says what it was cut from, go to the element that they are
-   pieces of: that label which most of its area has.
 3. As many labels as elements: one each, in order.
 4. Labels of *vertices* (as many as there are, or said to be so) go to the faces: each has the
    label that most of its corners have. Corners without a label do not vote; of labels with as
@@ -73,17 +73,22 @@ def fitted(path: Path, listing: Listing, shape: Shape | int) -> tuple[IntArray, 
             return labels, ()
         raise _misfit(path, listing, int(shape), None)
     mesh, n, noun = shape.geometry, shape.n_elements, shape.noun
+    source, weights = listing.source, listing.weights
+    if (
+        source is not None
+        and weights is not None
+        and len(labels) != n
+        and _names_elements(source, n)
+    ):
+        note = (
+            f"{path.name}: labels of {len(labels)} pieces; each {noun} has that of most of its area"
+        )
+        return heaviest(source, labels, weights, n), (note,)
     placed = _by_place(listing, mesh)
     if placed is not None:
         return _taken(path, labels, placed, noun)
     if len(labels) == n and listing.of != "vertices":
         return labels, ()
-    source, weights = listing.source, listing.weights
-    if source is not None and weights is not None and _names_elements(source, n):
-        note = (
-            f"{path.name}: labels of {len(labels)} pieces; each {noun} has that of most of its area"
-        )
-        return heaviest(source, labels, weights, n), (note,)
     if len(labels) == len(mesh.vertices) and listing.of != "elements":
         if n == len(labels) and not isinstance(mesh, PolygonMesh):
             return labels, ()

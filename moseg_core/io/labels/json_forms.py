@@ -105,6 +105,9 @@ def _member(path: Path, document: dict[str, Any], wanted: Wanted) -> Listing:
     held = [key for key, value in document.items() if isinstance(value, list | dict)]
     # The names of labels are no labels where something else is.
     candidates = [key for key in held if not _is_names(key, document[key], wanted)] or held
+    if not wanted.properties:  # what has as many as there are elements is the better choice
+        fitting = [key for key in candidates if len(document[key]) in _counts(wanted)]
+        candidates = fitting if familiar(fitting) else candidates
     name, notes = chosen(path, "member", candidates, wanted.properties)
     if name is None:
         records = [key for key in held if plain(key) in _RECORDS]

@@ -11,7 +11,7 @@ from moseg_benchmark.cases import BenchmarkCase, CaseResult, all_leaves, cluster
 from moseg_benchmark.label_matching import Naming
 from moseg_benchmark.psb import find_models
 
-from moseg_core import load, load_recipe, read_labels
+from moseg_core import load, load_recipe, read_labels, save_labels
 
 
 def silent(progress):
@@ -113,3 +113,30 @@ def test_a_recipe_of_several_label_sets(models, recipe):
 def test_results_come_back_from_plain_data():
     result = CaseResult(model=21, category="Cup", method="costs", people=(1.5, 2.0), incomplete=1)
     assert CaseResult.read({**vars(result), "people": [1.5, 2.0]}) == result
+
+
+def test_people_and_names_may_leave_faces_out(models, recipe, tmp_path):
+    model = models[0]
+    shape = load(model.mesh)
+    some = np.arange(shape.n_elements) % 9 == 4
+    people = []
+    for path in model.people:
+        labels = np.where(some, -1, read_labels(path, shape).labels)
+        people.append(tmp_path / path.name)
+        save_labels(labels, people[-1])
+    named = read_labels(model.names, shape)
+    save_labels(np.where(some, -1, named.labels), tmp_path / "n.txt", names=named.names)
+    partly = replace(model, people=tuple(people), names=tmp_path / "n.txt")
+    results = {}
+    for method in ("people", "k-means", "costs"):
+        whole, part = (
+            run_case(BenchmarkCase(model=m, method=method, recipe=recipe), report=silent)[0]
+            for m in (model, partly)
+        )
+        assert whole.failure == part.failure
+        results[method] = whole, part
+    for method in ("people", "k-means"):
+        whole, part = results[method]
+        assert part.rand_index_error == pytest.approx(whole.rand_index_error, abs=0.05)
+    whole, part = results["costs"]
+    assert part.cost == pytest.approx(whole.cost, rel=0.2)

@@ -130,3 +130,12 @@ def test_parts_without_names_take_those_of_most_of_their_area():
         1,
         0,
     ]
+
+
+def test_what_has_no_name_gets_no_label():
+    partly = named("leg body leg leg body body")
+    partly.labels[[1, 5]] = -1
+    found = labels_of_names(STRIP, partly, ["body", "leg1", "leg2"], Naming())
+    assert found.tolist() == [2, -1, 1, 1, 0, -1]
+    assert piece_counts(STRIP, partly) == {"body": 1, "leg": 2}
+    assert fitting_set(STRIP, partly, [["body", "leg1"], ["body", "leg1", "leg2"]], Naming()) == 1

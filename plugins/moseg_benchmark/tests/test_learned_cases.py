@@ -161,3 +161,11 @@ def test_numbers_are_right_where_they_are_the_same():
     assert numbers_right(labels, ["a", "b", "toe4"], truth, ["c", "d", "toe", "x1"], areas) is None
     found = numbers_right(labels, ["a1", "a2", "toe4"], truth, ["a1", "a2", "toe"], areas)
     assert found == pytest.approx(0.8)
+
+
+def test_what_has_no_true_name_does_not_count():
+    labels, truth = np.array([0, 0, 1, 2]), np.array([0, -1, 1, 2])
+    areas = np.array([1.0, 2.0, 3.0, 4.0])
+    names = ["rib1", "rib2", "toe"]
+    assert numbers_right(labels, names, truth, names, areas) == 1.0
+    assert numbers_right(labels, names, np.array([-1, -1, -1, 2]), names, areas) is None

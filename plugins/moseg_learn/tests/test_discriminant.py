@@ -204,3 +204,14 @@ def test_one_example_is_enough(examples):
 def test_nothing_to_learn_from():
     with pytest.raises(UsageError, match="at least one example"):
         fit_looks([])
+
+
+def test_nothing_is_learned_of_elements_without_a_label(examples):
+    example = examples[0]
+    missing = np.arange(len(example.labels)) % 3 == 0
+    partly = Example(example.shape, np.where(missing, -1, example.labels), example.names)
+    whole, some = (Sample.of(each, ["head", "stick"]) for each in (example, partly))
+    assert whole.shares.sum() == pytest.approx(1.0)
+    areas = example.shape.areas
+    assert some.shares.sum() == pytest.approx(areas[~missing].sum() / areas.sum())
+    assert (some.shares <= whole.shares + 1e-15).all()

@@ -120,3 +120,17 @@ def test_places_move_boundaries_where_it_is_known_how_surely(herd):
     alone = learn(herd, learner="profiles(likely=0)")
     assert str(alone.statement.search.refiner) == "graph_cut(band=0.2)"
     assert learn(herd, learner="profiles(refiner=none)").statement.search.refiner is None
+
+
+def test_examples_may_be_labelled_in_part(herd):
+    """A recipe of examples with a few faces left out is nearly that of the whole ones."""
+    partly = [
+        Example(e.shape, np.where(np.arange(len(e.labels)) % 50 == 7, -1, e.labels), e.names)
+        for e in herd
+    ]
+    whole, some = (learn(each, learner="profiles(likely=0)") for each in (herd, partly))
+    assert some.labels == whole.labels
+    assert some.statement.minimize == whole.statement.minimize
+    for kind in ("body", "leg", "head"):
+        there, here = (recipe.statement.given.document()[kind] for recipe in (whole, some))
+        assert there.keys() == here.keys()

@@ -1,11 +1,12 @@
 from __future__ import annotations
 
+import numpy as np
 import pytest
 from moseg_learn import left_out
 from moseg_learn.left_out import LeftOut, cost_of, leave_one_out
 from moseg_learn.pieces import pieces_of
 
-from moseg_core import Recipe, Statement, UsageError, learn
+from moseg_core import Example, Recipe, Statement, UsageError, learn
 
 
 def test_each_is_left_out_in_turn_and_shown(herd, monkeypatch):
@@ -73,3 +74,11 @@ def test_a_search_is_measured_against_the_example(herd, make):
     assert 0.2 < found.named_right < 1
     assert found.cost > 0
     assert found.own_cost == cost_of(pieces_of(herd[0]), recipe)
+
+
+def test_own_parts_cost_what_they_do_with_the_nearest_label_where_there_is_none(herd):
+    recipe = learn(herd, learner="profiles(likely=0)")
+    example = herd[0]
+    partly = np.where(np.arange(len(example.labels)) % 50 == 7, -1, example.labels)
+    some = pieces_of(Example(example.shape, partly, example.names))
+    assert cost_of(some, recipe) == pytest.approx(cost_of(pieces_of(example), recipe), rel=0.2)

@@ -81,3 +81,42 @@ def test_a_part_that_would_vanish_keeps_an_example_on_its_own_elements(make):
     pieces = pieces_of(Example(example.shape, labels, example.names))
     assert pieces.counts()["tail"] == 1
     assert pieces.at(200) is pieces
+
+
+def test_elements_without_a_label_are_in_no_piece():
+    pieces = pieces_of(strip([0, -1, 0, 1, -1, -1], ("leg", "body")))
+    assert pieces.labels.tolist() == [1, -1, 2, 0, -1, -1]
+    assert pieces.kinds == ("body", "leg", "leg")
+    assert [part.area for part in pieces.parts] == [1.0, 1.0, 1.0]
+    assert len(pieces.segmentation.parts) == 4
+    kinds = pieces.as_kinds()
+    assert kinds.labels.tolist() == [1, -1, 1, 0, -1, -1]
+    assert kinds.names == ("body", "leg")
+
+
+def test_scraps_do_not_go_to_what_has_no_label():
+    labels, widths = [0, 1, -1, 0, 1], [9, 0.01, 9, 9, 9]
+    pieces = pieces_of(strip(labels, ("body", "leg"), widths=widths))
+    assert pieces.labels.tolist() == [0, 0, -1, 1, 2]
+    assert pieces.kinds == ("body", "body", "leg")
+    # With nothing labelled beside it, a scrap goes to the nearest that is.
+    labels, widths = [0, -1, 1, -1, 1], [9, 9, 0.01, 8, 9]
+    pieces = pieces_of(strip(labels, ("body", "leg"), widths=widths))
+    assert pieces.labels.tolist() == [0, -1, 1, -1, 1]
+    assert pieces.kinds == ("body", "leg")
+
+
+def test_without_unlabelled_elements_everything_is_as_if_there_could_be_none(make):
+    whole = pieces_of(make.beast())
+    assert len(whole.parts) == len(whole.segmentation.parts) == len(whole.kinds)
+    assert whole.labels.min() == 0
+
+
+def test_on_super_elements_what_is_mostly_without_a_label_has_none(make):
+    beast = make.beast(rounds=4)
+    missing = beast.shape.points[:, 2] > 0.5
+    partly = Example(beast.shape, np.where(missing, -1, beast.labels), beast.names)
+    coarse = pieces_of(partly).at(800)
+    assert 500 < coarse.shape.n_elements <= 800
+    again = coarse.labels[coarse.shape.members] < 0
+    assert (again == missing).mean() > 0.95

@@ -69,3 +69,22 @@ def test_what_is_wrong_with_the_files_is_said(folder):
     trimesh.creation.box().export(folder / "plain.ply")
     with pytest.raises(ShapeError, match="has no property 'label'"):
         read_example(str(folder / "plain.ply"))
+
+
+def test_what_is_said_of_the_labels_is_told_and_some_may_be_missing(folder):
+    labels = folder / "some.csv"
+    labels.write_text("face,label,mine\n" + "".join(f"{k},{k % 2},{k % 3}\n" for k in range(10)))
+    said = []
+    example = read_example(f"{folder}/box.off={labels}", names=["a", "b"], tell=said.append)
+    assert example.labels.tolist() == [0, 1] * 5 + [-1, -1]
+    assert said == ["some.csv: 2 of 12 faces are unlabelled and left out"]
+    word = f"{folder}/box.off={labels}"
+    example = read_example(word, names=["a", "b", "c"], label_property=["mine"])
+    assert example.borne == ("a", "b", "c")
+
+
+def test_groups_of_a_shape_are_its_labels(folder):
+    path = folder / "tile.obj"
+    path.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\ng left\nf 1 2 3\ng right\nf 2 4 3\n")
+    example = read_example(str(path))
+    assert (example.labels.tolist(), example.names) == ([0, 1], ("left", "right"))

@@ -128,6 +128,7 @@ def test_pieces_of_faces_give_them_the_label_of_most_area():
     listing = Listing(
         labels=np.concatenate([LABELS, LABELS + 1]),
         source=np.tile(np.arange(N), 2),
+        places=np.tile(middles(TEE.geometry), (2, 1)),
         weights=np.concatenate([np.full(N, 0.7), np.full(N, 0.3)]),
     )
     labels, notes = fitted(PATH, listing, TEE)
