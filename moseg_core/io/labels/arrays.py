@@ -1,6 +1,7 @@
 """Labels in numpy's files: an ``.npy`` row or grid, an array of an ``.npz`` archive.
 
-Rows of integers, whole floats, bools or names; a column or row of a matrix too. In a grid of three
+Rows of integers, whole floats, bools or names; a column or row of a matrix too. An array of the
+size of a voxel grid has labels at its elements, whatever it has elsewhere. In a grid of three
 axes, as moseg writes for voxels, -1 stands where there is no element, and elements follow each
 other in C order.
 """
@@ -8,6 +9,8 @@ other in C order.
 from __future__ import annotations
 
 import io
+import sys
+import tokenize
 import zlib
 from pathlib import Path
 from zipfile import BadZipFile
@@ -19,6 +22,12 @@ from moseg_core.io.labels.listing import Listing, Wanted, numbered_names, whole_
 from moseg_core.io.labels.properties import chosen, names_labels
 from moseg_core.io.read.checked import file_error, read_file
 from moseg_core.io.read.grids import read_array
+
+# What numpy and zipfile raise over damaged archives.
+_DAMAGED = (
+    *(KeyError, ValueError, TypeError, EOFError, OSError, NotImplementedError, RuntimeError),
+    *(SyntaxError, BadZipFile, zlib.error, tokenize.TokenError),
+)
 
 
 def read_npy(path: Path, wanted: Wanted) -> Listing:
@@ -53,7 +62,7 @@ def read_npz(path: Path, wanted: Wanted) -> Listing:
     try:
         with np.load(io.BytesIO(data), allow_pickle=False) as archive:
             arrays = {name: archive[name] for name in archive.files}
-    except (KeyError, ValueError, EOFError, OSError, BadZipFile, zlib.error) as problem:
+    except _DAMAGED as problem:
         raise file_error(path, f"is no whole .npz file ({problem}); save it anew") from problem
     counts = (wanted.n_elements, wanted.n_vertices)
     named = [
@@ -77,7 +86,7 @@ def read_npz(path: Path, wanted: Wanted) -> Listing:
     found = _listing(path, arrays[name], wanted)
     names = found.names
     if names is None and named and named[0] != name:
-        names = tuple(arrays[named[0]].tolist())
+        names = tuple(_texts(path, arrays[named[0]]))
     elif names is None and "names" in arrays:
         raise file_error(path, "has an array 'names' that is not a row of texts; save it anew")
     return Listing(labels=found.labels, names=names, notes=notes)
@@ -91,6 +100,8 @@ def _is_row(array: npt.NDArray[np.generic], wanted: Wanted) -> bool:
 def _listing(path: Path, array: npt.NDArray[np.generic], wanted: Wanted) -> Listing:
     if array.ndim == 2 and min(array.shape) == 1:
         array = array.reshape(-1)
+    if wanted.grid is not None and array.shape == wanted.grid.occupied.shape:
+        array = array[tuple(wanted.grid.cells.T)]
     if array.ndim == 3 and array.dtype.kind in "iuf":
         labels = whole_labels(path, array.reshape(-1), noun="cell")
         return Listing(labels=labels[labels >= 0] if (labels < 0).any() else labels)
@@ -98,7 +109,7 @@ def _listing(path: Path, array: npt.NDArray[np.generic], wanted: Wanted) -> List
     if array.ndim == 2 and array.dtype.kind in "biuf":
         array, column = _column(path, array, wanted)
     if array.ndim == 1 and array.dtype.kind == "U":
-        words = [str(word) for word in array.tolist()]
+        words = _texts(path, array)
         if not words or not all(word.lstrip("+-").isdecimal() for word in words):
             names_of, names = numbered_names(words)
             return Listing(labels=names_of, names=names or None)
@@ -108,6 +119,14 @@ def _listing(path: Path, array: npt.NDArray[np.generic], wanted: Wanted) -> List
             path, f"holds {array.dtype} of shape {array.shape} instead of a row of whole labels"
         )
     return Listing(labels=whole_labels(path, array, noun=wanted.noun), notes=column)
+
+
+def _texts(path: Path, array: npt.NDArray[np.generic]) -> list[str]:
+    """The texts in a row; numpy itself does not check what a damaged file makes of them."""
+    native = np.ascontiguousarray(array.astype(array.dtype.newbyteorder("=")))
+    if native.nbytes and native.view(np.uint32).max() > sys.maxunicode:
+        raise file_error(path, "holds texts that are damaged; save it anew")
+    return [str(text) for text in native.tolist()]
 
 
 def _column(

@@ -18,6 +18,7 @@ from moseg_core.io.read.checked import file_error
 from moseg_core.io.read.text_rows import word
 from moseg_core.shape.geometry import Geometry
 from moseg_core.shape.shape import Shape
+from moseg_core.shape.voxels import VoxelGrid
 from moseg_core.types import UNLABELLED, FloatArray, IntArray
 
 NO_LABEL = frozenset(
@@ -28,7 +29,7 @@ NO_LABEL = frozenset(
 _LARGEST = 2.0**53  # up to which every whole number is a float of its own
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Wanted:
     """What a file's labels are for.
 
@@ -43,12 +44,15 @@ class Wanted:
     properties : tuple of str
         Names of the property, column, array or member that holds the labels, the first that a file
         has; empty to go by usual names.
+    grid : VoxelGrid or None
+        The cells that are elements, where the shape is a voxel grid.
     """
 
     n_elements: int
     n_vertices: int | None = None
     noun: str = "element"
     properties: tuple[str, ...] = ()
+    grid: VoxelGrid | None = None
 
     @classmethod
     def of(cls, shape: Shape | int, properties: Sequence[str] = ()) -> Wanted:
@@ -60,6 +64,7 @@ class Wanted:
             n_vertices=len(shape.geometry.vertices),
             noun=shape.noun,
             properties=tuple(properties),
+            grid=shape.geometry if isinstance(shape.geometry, VoxelGrid) else None,
         )
 
 

@@ -131,7 +131,7 @@ def _places(vertices: PlyColumns, lists: PlyLists) -> tuple[FloatArray | None, F
     corners, offsets = lists.values.astype(np.int64), lists.offsets
     sizes = np.diff(offsets)
     inside = not corners.size or (corners.min() >= 0 and corners.max() < len(points))
-    if not inside or not (sizes > 0).all():
+    if not inside or not (sizes > 0).all() or not np.isfinite(points[corners]).all():
         return None, None
     middles = np.add.reduceat(points[corners], offsets[:-1]) / sizes[:, None]
     following = np.arange(1, len(corners) + 1)

@@ -40,6 +40,8 @@ def read_text(path: Path, wanted: Wanted) -> Listing:
     [1, 0, 1]
     """
     text = _decoded(path, read_file(path))
+    if FACE_ID.match(text.lstrip()):  # no name stands in front
+        return read_columns(path, text, wanted)
     if are_named_lines(text):
         return read_named_lines(path, text, wanted)
     if text.lstrip()[:1] in ("[", "{"):

@@ -9,6 +9,7 @@ import pytest
 
 from moseg_core.io.labels.arrays import read_npy, read_npz
 from moseg_core.io.labels.listing import Wanted
+from moseg_core.shape.shape import Shape
 
 WANTED = Wanted(n_elements=3, n_vertices=5, noun="face")
 MINE = Wanted(n_elements=3, properties=("mine",))
@@ -47,11 +48,27 @@ def test_names(as_file):
     assert (found.labels.tolist(), found.names) == ([0, -1, 1], ("leg", "arm"))
 
 
+def test_damaged_bytes_are_read_or_refused(damages):
+    for contents in (npy(np.array(["leg", "arm", "leg"])), npy(np.array([1, 0, 1]))):
+        assert damages(lambda path: read_npy(path, WANTED), "x.npy", contents) > 20
+    archive = npz(labels=[1, 0, 1], names=["arm", "leg"])
+    assert damages(lambda path: read_npz(path, WANTED), "x.npz", archive) > 100
+
+
 def test_a_grid_lists_the_cells_that_have_a_label(as_file):
     grid = np.array([[[2, -1], [0, -1]], [[-1, -1], [1, 1]]])
     for array in (grid, grid.astype(float)):
         found = read_npy(as_file("x.npy", npy(array)), WANTED)
         assert found.labels.tolist() == [2, 0, 1, 1]
+
+
+@pytest.mark.parametrize("elements", ["solid", "surface"])
+def test_of_a_grid_the_cells_count_that_are_elements(elements, as_file):
+    grid = np.arange(64).reshape(4, 4, 4)
+    shape = Shape.from_voxels(grid % 5 > 0).with_elements(elements)
+    path = as_file("x.npy", npy(np.where(grid % 7, grid, -1)))
+    found = read_npy(path, Wanted.of(shape)).labels
+    assert found.tolist() == [k if k % 7 else -1 for k in grid[tuple(shape.geometry.cells.T)]]
 
 
 @pytest.mark.parametrize(

@@ -40,6 +40,8 @@ def read(text, wanted=THREE):
         "0 0 0.5 1\n0 0 1.5 0\n0 1 0.5 2\n",
         "q,part\n0.5,1\n0.5,0\n0.7,2\n",
         "face,q,label\n0,9,1\n1,9,0\n2,9,2\n",
+        ",0\n0,1\n1,0\n2,2\n",
+        ",label\n2,2\n1,0\n0,1\n",
     ],
 )
 def test_numbers(text):
@@ -53,11 +55,17 @@ def test_numbers(text):
         "label\nupper arm\nleg\nupper arm\n",
         "face,label\n0,upper arm\n1,leg\n2,upper arm\n",
         "q,label\n7,upper arm\n7,leg\n8,upper arm\n",
+        ",part\n0,upper arm\n1,leg\n2,upper arm\n",
+        '"face","label"\n0,"upper arm"\n1,"leg"\n2,"upper arm"\n',
     ],
 )
 def test_names(text):
     found = read(text)
     assert (found.labels.tolist(), found.names) == ([0, 1, 0], ("upper arm", "leg"))
+
+
+def test_a_quoted_name_may_hold_the_delimiter():
+    assert read('face,label\n0,"arm, upper"\n1,leg\n2,leg\n').names == ("arm, upper", "leg")
 
 
 def test_a_name_that_is_usual_for_labels_is_no_header_where_all_lines_are_labels():

@@ -88,7 +88,8 @@ def test_ids_count_from_one_only_where_they_must():
 
 def test_what_is_wanted_of_a_shape():
     cloud = Shape.from_points(np.eye(3))
-    assert Wanted.of(7) == Wanted(n_elements=7)
+    alone = Wanted.of(7)
+    assert (alone.n_elements, alone.n_vertices, alone.noun) == (7, None, "element")
     assert Wanted.of(cloud, ["a"]).properties == ("a",)
     assert Wanted.of(cloud).noun == "point"
 
