@@ -137,8 +137,9 @@ def _places(vertices: PlyColumns, lists: PlyLists) -> tuple[FloatArray | None, F
     following = np.arange(1, len(corners) + 1)
     following[offsets[1:] - 1] = offsets[:-1]
     around = points[corners] - np.repeat(middles, sizes, axis=0)
-    crosses = np.add.reduceat(np.cross(around, around[following]), offsets[:-1])
-    return middles, np.linalg.norm(crosses, axis=1) / 2.0
+    with np.errstate(over="ignore", invalid="ignore"):  # places too far to be measured
+        crosses = np.add.reduceat(np.cross(around, around[following]), offsets[:-1])
+        return middles, np.linalg.norm(crosses, axis=1) / 2.0
 
 
 def _names(path: Path, header: PlyHeader) -> tuple[str, ...]:
