@@ -17,6 +17,7 @@ import numpy as np
 from moseg_core.io.labels.listing import Listing, Wanted, whole_labels
 from moseg_core.io.labels.properties import chosen, familiar
 from moseg_core.io.read.checked import file_error, read_file
+from moseg_core.io.read.ply import whole_faces
 from moseg_core.io.read.ply_elements import Numbers, PlyColumns, PlyLists, read_elements
 from moseg_core.io.read.ply_header import PlyHeader, parse_header
 from moseg_core.types import FloatArray
@@ -68,7 +69,7 @@ def read_ply_labels(path: Path, wanted: Wanted) -> Listing:
     labels = whole_labels(path, column, noun=bearer)
     kept = np.arange(len(labels))
     if bearer == "face" and isinstance(lists, PlyLists):
-        kept = np.flatnonzero(np.diff(lists.offsets) > 2)  # others are no elements
+        kept = np.flatnonzero(whole_faces(lists.offsets))
     labels = labels[kept]
     names = _names(path, header)
     of_faces = bearer == "face"
