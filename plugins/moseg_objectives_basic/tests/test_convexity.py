@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from moseg_objectives_basic import convexity
+from moseg_objectives_basic import hulls
 from moseg_objectives_basic.convexity import convex_parts, hull_volume
 from scipy.spatial import ConvexHull, QhullError
 from scipy.spatial.transform import Rotation
@@ -113,7 +113,7 @@ def test_what_qhull_says_of_points_in_a_plane_is_no_error(make, monkeypatch):
         return ConvexHull(np.array([[1, -1, 0], [0, 1, -1], [-1, 0, 1], [2, -1, -1], [0, 0, 0]]))
 
     part = make.part(make.box(1, 1, 1))
-    monkeypatch.setattr(convexity, "ConvexHull", refuse)
+    monkeypatch.setattr(hulls, "ConvexHull", refuse)
     assert hull_volume(part) == 0
 
 
@@ -121,7 +121,7 @@ def test_other_failures_are_not_taken_for_a_volume(make, monkeypatch):
     def fail(points):
         raise QhullError("QH6271 qhull topology error\nand forty lines of advice")
 
-    monkeypatch.setattr(convexity, "ConvexHull", fail)
+    monkeypatch.setattr(hulls, "ConvexHull", fail)
     with pytest.raises(MosegError, match="convex hull of a part cannot be computed: QH6271") as e:
         hull_volume(make.part(make.box(1, 1, 1)))
     assert "\n" not in str(e.value)
