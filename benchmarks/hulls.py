@@ -80,7 +80,9 @@ def hull_table() -> None:
             slow, fast = (1e3 * t / len(sets) for t in times)
             exact, near = (np.array(all_of(volume)) for volume in HULLS.values())
             off = float(np.abs(near / exact - 1).max())
-            print(f"{kind:>9} {size:>6} {slow:>9.3f} {fast:>11.3f} {slow / fast:>6.2f} {off:>11.1e}")
+            print(
+                f"{kind:>9} {size:>6} {slow:>9.3f} {fast:>11.3f} {slow / fast:>6.2f} {off:>11.1e}"
+            )
 
 
 def search_table() -> None:

@@ -15,9 +15,10 @@ def lack(shape: Shape, requirement: Requirement) -> str | None:
     """What a shape lacks and what to do about it, in words; None where it lacks nothing."""
     if requirement == "volume" and shape.volume is None:
         repair = "repair the mesh, " if shape.has_surface else ""
+        remedy = shape.enclosed.remedy or "have it estimated (--volume VALUE|hull|winding)"
         return (
             f"an enclosed volume, but '{shape.name}' encloses none: {shape.volume_reason};"
-            f" {repair}leave out the term or have it estimated (--volume VALUE|hull|winding)"
+            f" {repair}leave out the term or {remedy}"
         )
     if requirement == "adjacency" and shape.adjacency is None:
         return (

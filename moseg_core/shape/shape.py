@@ -250,7 +250,10 @@ class Shape(ShapeData):
         if components > 1:
             notes = [*notes, _in_components(components)]
         if volume.reason:
-            notes = [*notes, f"{_NO_VOLUME}: {volume.reason}"]
+            remedy = f"; {volume.remedy}" if volume.remedy else ""
+            notes = [*notes, f"{_NO_VOLUME}: {volume.reason}{remedy}"]
+        if volume.note:
+            notes = [*notes, volume.note]
         return cls(
             points=moments.points,
             areas=moments.areas,
@@ -358,7 +361,11 @@ class Shape(ShapeData):
         estimate, words = estimated_volume(self.geometry, volume)
         if estimate.value is None:
             raise ShapeError(f"the volume of '{self.name}' cannot be estimated: {estimate.reason}")
-        kept = [note for note in self.notes if not note.startswith((_NO_VOLUME, _ESTIMATE))]
+        kept = [
+            note
+            for note in self.notes
+            if not note.startswith((_NO_VOLUME, _ESTIMATE)) and note != self.enclosed.note
+        ]
         note = f"{_ESTIMATE} {estimate.value:.6g}, {words}"
         return replace(self, enclosed=estimate, notes=(*kept, note))
 

@@ -21,6 +21,8 @@ from moseg_core.shape.geometry import Geometry
 from moseg_core.shape.mesh import PolygonMesh
 from moseg_core.shape.volume.capped import capped_volume, with_caps
 from moseg_core.shape.volume.estimated import estimated_volume
+from moseg_core.shape.volume.orientation import EdgeUses
+from moseg_core.shape.volume.twins import one_of_each
 from moseg_core.shape.volume.volume import Volume
 from moseg_core.types import FloatArray
 
@@ -75,7 +77,10 @@ def part_volume(
         doubt = "" if whole_volume.source == "exact" else _doubt(whole) and _doubt(part)
     if doubt:
         return _part_estimate(part, whole, whole_volume, doubt)
-    value = capped_volume(part.vertices - center, part.triangles)
+    triangles = part.triangles
+    if isinstance(part, PolygonMesh) and (single := one_of_each(part, EdgeUses.of(part))):
+        triangles = single.triangles(part)
+    value = capped_volume(part.vertices - center, triangles)
     if value <= _FLAT * diagonal**3:
         return Volume.none("it is flat, also with its cuts capped")
     return Volume.exact(value)
@@ -118,7 +123,10 @@ def deformed_volume(
             return Volume.none(f"{doubt}, and {_NUMBER} the space '{space}'")
         return estimated_volume(mesh, source)[0]
     middle = mesh.vertices[mesh.triangles].reshape(-1, 3).mean(axis=0)
-    value = capped_volume(mesh.vertices - middle, mesh.triangles)
+    # Which faces lie on each other is asked of the original too.
+    single = one_of_each(original, EdgeUses.of(original))
+    triangles = mesh.triangles if single is None else single.triangles(mesh)
+    value = capped_volume(mesh.vertices - middle, triangles)
     if value <= _FLAT_DEFORMED * diagonal**3:
         return Volume.none(f"it is flat in the space '{space}'")
     return Volume.exact(value)

@@ -5,11 +5,15 @@ of polygons or a point cloud has none. Three estimates, none of them taken unask
 
 - a number that the user knows;
 - ``hull``: the volume of the shape's convex hull, or of the hulls of the pieces that it is cut
-  into where it is not convex (:mod:`moseg_core.shape.volume.hulls`). Needs nothing but places;
+  into where it is not convex (:mod:`moseg_core.shape.volume.hulls`). Needs nothing but places. An
+  open surface has its rims capped first, since the pieces of a bowl have the hulls of its wall; how
+  far that may be off is said in the words;
 - ``winding``: the volume of all places around which the surface winds more than half
   (:mod:`moseg_core.shape.volume.winding`), whichever way it is oriented as a whole. Holes and gaps
-  are closed by what would be the smoothest membrane over them. Faces must be oriented alike: where
-  neighbours are seen not to be, the words say so; of pieces that do not touch nobody can tell.
+  are closed by what would be the smoothest membrane over them. Faces are first oriented as most of
+  their neighbours are; of pieces that do not touch nobody can tell.
+
+Of faces that lie on each other both take one (:mod:`moseg_core.shape.volume.twins`).
 
 The region of ``winding`` is measured by points, one at a random place in each of some 300 000
 equal cells of a box around the shape, along its principal axes. Where the exact volume is known
@@ -25,15 +29,21 @@ import math
 import numpy as np
 
 from moseg_core.errors import UsageError
-from moseg_core.shape.adjacency import undirected
 from moseg_core.shape.cloud import PointCloud
 from moseg_core.shape.geometry import Geometry
 from moseg_core.shape.mesh import PolygonMesh
+from moseg_core.shape.volume.capped import with_caps
 from moseg_core.shape.volume.hulls import hulls_volume
+from moseg_core.shape.volume.orientation import EdgeUses, turned_faces
+from moseg_core.shape.volume.twins import of_triangles, one_sheet
 from moseg_core.shape.volume.volume import Volume
 from moseg_core.shape.volume.winding_tree import WindingTree
 
 _SAMPLES = 300_000
+#: For a look at how far another estimate may be off.
+_FEW_SAMPLES = 30_000
+#: From how far two estimates are apart, as a share, that is worth a word.
+_APART = 0.1
 
 
 def estimated_volume(geometry: Geometry, how: float | str) -> tuple[Volume, str]:
@@ -84,45 +94,99 @@ def estimated_volume(geometry: Geometry, how: float | str) -> tuple[Volume, str]
 
 
 def _hull_volume(geometry: Geometry) -> tuple[Volume, str]:
-    value, pieces = hulls_volume(geometry)
+    rims, closed = 0, geometry
+    if isinstance(geometry, PolygonMesh):
+        geometry = closed = one_sheet(geometry)
+        uses = EdgeUses.of(geometry).uses
+        rims = int((uses == 1).sum())
+        if rims < len(uses):  # to cap the faces of a soup adds nothing
+            closed = with_caps(geometry)
+    value, pieces = hulls_volume(closed)
     if value == 0.0:
         return Volume.none("it is flat: its convex hull has no volume"), ""
     words = "that of its convex hull"
     if pieces > 1:
         words = f"that of the convex hulls of {pieces} pieces of it"
+    if isinstance(geometry, PolygonMesh) and rims:
+        words += _doubt_of_open(geometry, value, rims)
     return Volume(value=value, source="hull"), words
+
+
+def _doubt_of_open(mesh: PolygonMesh, value: float, rims: int) -> str:
+    """In words how far the volume of an open surface's hulls may be off."""
+    edges = "1 boundary edge" if rims == 1 else f"{rims} boundary edges"
+    words = f"; a guess, since the surface is open ({edges})"
+    inside = _inside(_oriented(mesh)[0], _FEW_SAMPLES)
+    if not inside or abs(value - inside) <= _APART * inside:
+        return words
+    return f"{words}: by '--volume winding' it is {inside:.3g}"
 
 
 def _winding_volume(geometry: Geometry) -> tuple[Volume, str]:
     if isinstance(geometry, PointCloud) and geometry.normals is None:
         reason = "it has no normals, which a winding number needs; take 'hull' or give a number"
         return Volume.none(reason), ""
+    turned = 0
+    if isinstance(geometry, PolygonMesh):
+        geometry = one_sheet(geometry)
+        geometry, turned = _oriented(geometry)
+    value = _inside(geometry, _SAMPLES)
+    if value is None:
+        return Volume.none("it is flat: there is nothing that it could wind around"), ""
+    if value == 0.0:
+        reason = (
+            "it winds more than half around no place; orient its faces alike, take 'hull' or give"
+            " a number"
+        )
+        return Volume.none(reason), ""
+    words = "where its surface winds more than half around"
+    if turned:
+        words += f", {turned} face{'s' * (turned != 1)} turned over to agree with the others"
+    if isinstance(geometry, PolygonMesh) and (count := _edges_turned_over(geometry)):
+        edges = "1 edge" if count == 1 else f"{count} edges"
+        words += f"; it may be far off: at {edges} faces are not oriented alike"
+    return Volume(value=value, source="winding"), words
+
+
+def _inside(geometry: Geometry, samples: int) -> float | None:
+    """The volume of the places around which a surface winds more than half; None of a flat one.
+
+    Parameters
+    ----------
+    geometry : Geometry
+        Points have normals.
+    samples : int
+        About how many places to look at.
+    """
     vertices = geometry.vertices[np.unique(geometry.corners)]
     middle = vertices.mean(axis=0)
     axes = np.linalg.svd(np.cov((vertices - middle).T))[0]
     local = (vertices - middle) @ axes
     low, size = local.min(axis=0), np.ptp(local, axis=0)
     if size.min() <= 1e-9 * size.max():
-        return Volume.none("it is flat: there is nothing that it could wind around"), ""
-    counts = np.maximum(1, np.round(size * (_SAMPLES / size.prod()) ** (1 / 3))).astype(int)
+        return None
+    counts = np.maximum(1, np.round(size * (samples / size.prod()) ** (1 / 3))).astype(int)
     cell = np.stack(np.unravel_index(np.arange(counts.prod()), tuple(counts)), axis=1)
     # At random within the cells, lest faces along the box round all of its cells the same way.
     inside = cell + np.random.default_rng(0).random(cell.shape)
     tree = WindingTree.of(geometry)
     winding = tree.winding((low + inside * (size / counts)) @ axes.T + middle)
-    share = float((np.abs(winding) > 0.5).mean())
-    if share == 0.0:
-        reason = (
-            "it winds more than half around no place; orient its faces alike, take 'hull' or give"
-            " a number"
-        )
-        return Volume.none(reason), ""
-    value = share * float(size.prod())
-    words = "where its surface winds more than half around"
-    if isinstance(geometry, PolygonMesh) and (count := _edges_turned_over(geometry)):
-        edges = "1 edge" if count == 1 else f"{count} edges"
-        words += f"; it may be far off: at {edges} faces are not oriented alike"
-    return Volume(value=value, source="winding"), words
+    return float((np.abs(winding) > 0.5).mean()) * float(size.prod())
+
+
+def _oriented(mesh: PolygonMesh) -> tuple[PolygonMesh, int]:
+    """A mesh with its faces oriented as most of their neighbours are, and how many were not."""
+    uses = EdgeUses.of(mesh)
+    if not (np.abs(uses.balance) > 1).any():
+        return mesh, 0
+    corners = mesh.vertices[mesh.triangles]
+    areas = np.linalg.norm(
+        np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
+    )
+    turned = turned_faces(uses, np.bincount(mesh.triangle_polygon, areas, mesh.n_polygons))[0]
+    over = turned[mesh.triangle_polygon, None]
+    turned_mesh = of_triangles(mesh, np.where(over, mesh.triangles[:, ::-1], mesh.triangles))
+    return turned_mesh, int(turned.sum())
 
 
 def _edges_turned_over(mesh: PolygonMesh) -> int:
@@ -131,7 +195,4 @@ def _edges_turned_over(mesh: PolygonMesh) -> int:
     Faces that are oriented alike cancel out in pairs; at a rim one is left. Where two are, the
     winding number is as if the surface had a twofold rim there.
     """
-    ends, _ = mesh.edges
-    edge, group = undirected(ends)
-    direction = np.where(ends[:, 0] == edge[group, 0], 1, -1)
-    return int((np.abs(np.bincount(group, weights=direction)) > 1).sum())
+    return int((np.abs(EdgeUses.of(mesh).balance) > 1).sum())

@@ -34,6 +34,11 @@ class Volume:
     reason : str
         Why there is no volume, as a clause such as "it has 12 boundary edges"; empty where there
         is one.
+    remedy : str
+        What helps, where only some of what is usually tried does: "take --volume winding, which
+        turns faces alike"; else empty.
+    note : str
+        What the user should know of how the volume was found; else empty.
 
     Examples
     --------
@@ -44,13 +49,15 @@ class Volume:
     value: float | None
     source: Source | None
     reason: str = ""
+    remedy: str = ""
+    note: str = ""
 
     @classmethod
-    def exact(cls, value: float) -> Volume:
+    def exact(cls, value: float, note: str = "") -> Volume:
         """A volume that the elements enclose by themselves."""
-        return cls(value=value, source="exact")
+        return cls(value=value, source="exact", note=note)
 
     @classmethod
-    def none(cls, reason: str) -> Volume:
+    def none(cls, reason: str, remedy: str = "") -> Volume:
         """No volume, for a reason."""
-        return cls(value=None, source=None, reason=reason)
+        return cls(value=None, source=None, reason=reason, remedy=remedy)

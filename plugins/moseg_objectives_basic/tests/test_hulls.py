@@ -137,7 +137,6 @@ def test_random_parts_of_the_benchmark():
             check(in_unit_cube(part))
 
 
-
 def test_qhull_answers_where_manifold3d_cannot(monkeypatch):
     points = in_unit_cube(np.random.default_rng(0).normal(size=(40, 3)))
     assert fast_hull_volume(points) != exact_hull_volume(points)
@@ -164,7 +163,9 @@ def test_reported_hulls_are_exact_and_those_of_super_elements_fast(monkeypatch):
         monkeypatch.setattr(convexity, name, noted)
     shape = moseg.load(sample_path("hammer"))
     problem = moseg.Problem(["handle", "head"], "3*narrow(handle) + convex_parts")
-    result = moseg.segment(shape, problem, restarts=1, optimizer="pattern_search(max_evaluations=9)")
+    result = moseg.segment(
+        shape, problem, restarts=1, optimizer="pattern_search(max_evaluations=9)"
+    )
     assert set(calls) == {"fast_hull_volume", "exact_hull_volume"}
     assert calls[-1] == "exact_hull_volume"
     calls.clear()
