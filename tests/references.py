@@ -300,15 +300,42 @@ def membership_hash(elements: Iterable[int]) -> tuple[int, int]:
 
 
 def edge_neighbors(vertices: Sequence[Point], faces: Sequence[Sequence[int]]) -> list[set[int]]:
-    """For each face those that share an edge with it, corners joined by position."""
-    edges = []
-    for face in faces:
+    """For each face those that share an edge with it, corners joined by position.
+
+    Around an edge that is used more than three times only the next ones by angle on either side.
+    """
+    users: dict[tuple, list[int]] = {}
+    for f, face in enumerate(faces):
         corners = [tuple(float(x) for x in vertices[v]) for v in face]
-        ring = zip(corners, corners[1:] + corners[:1], strict=True)
-        edges.append({frozenset(edge) for edge in ring if edge[0] != edge[1]})
-    return [
-        {g for g in range(len(faces)) if g != f and edges[f] & edges[g]} for f in range(len(faces))
-    ]
+        for edge in zip(corners, corners[1:] + corners[:1], strict=True):
+            if edge[0] != edge[1]:
+                users.setdefault(tuple(sorted(edge)), []).append(f)
+    neighbors: list[set[int]] = [set() for _ in faces]
+    for (start, stop), around in users.items():
+        if len(around) > 3:
+            along = [b - a for a, b in zip(start, stop, strict=True)]
+            beside = _cross(along, [along[1] + 1.0, along[2] + 2.0, along[0] + 4.0])
+            upward = [x / math.hypot(*along) for x in _cross(along, beside)]
+            angles = {}
+            for f in set(around):
+                corners = [vertices[v] for v in faces[f]]
+                middle = [sum(float(c[k]) for c in corners) / len(corners) for k in range(3)]
+                away = [m - a for m, a in zip(middle, start, strict=True)]
+                angles[f] = math.atan2(_dot(away, upward), _dot(away, beside))
+            around = sorted(around, key=angles.__getitem__)
+        for f, g in zip(around, [*around[1:], around[0]], strict=True):
+            if f != g:
+                neighbors[f].add(g)
+                neighbors[g].add(f)
+    return neighbors
+
+
+def _dot(a: Sequence[float], b: Sequence[float]) -> float:
+    return sum(x * y for x, y in zip(a, b, strict=True))
+
+
+def _cross(a: Sequence[float], b: Sequence[float]) -> list[float]:
+    return [a[k - 2] * b[k - 1] - a[k - 1] * b[k - 2] for k in range(3)]
 
 
 def connected_pieces(neighbors: Sequence[Iterable[int]], elements: Iterable[int]) -> list[set[int]]:

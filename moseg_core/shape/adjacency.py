@@ -2,10 +2,13 @@
 
 Adjacency is a CSR pair as in ``scipy.sparse``: the neighbours of element ``f`` are
 ``indices[indptr[f]:indptr[f + 1]]``, ascending, without ``f`` itself. Two polygons are
-neighbours when they share an edge by position; around a non-manifold edge all are neighbours of
-all. The same edges tell whether the mesh encloses a volume. Cells of a solid grid are neighbours
-when they share a face, and those of its surface when they share an edge: along a slope the cells
-of a staircase touch in no more than that.
+neighbours when they share an edge by position. Around an edge that more than three share, each is
+the neighbour of the next by angle on either side, with nothing but space between: a ring, as long
+as the number of polygons, where pairs of all with all would be its square; of three it has all
+pairs. A ring does not depend on the order of the file, but for polygons at one angle, such as
+copies, which follow each other in it. Cells of a solid grid are neighbours when they share a face,
+and those of its surface when they share an edge: along a slope the cells of a staircase touch in no
+more than that.
 
 Points have no neighbours, nor have polygons of a soup. Where the user asks for it, elements that
 are *mutually* among each other's nearest count as neighbours: one-sided nearness would bridge the
@@ -24,6 +27,9 @@ from scipy.sparse import csgraph
 from moseg_core.shape.mesh import PolygonMesh
 from moseg_core.shape.voxels import VoxelGrid
 from moseg_core.types import FloatArray, Int32Array, IntArray, frozen
+
+#: Below this angle, in radians, two polygons at an edge are taken to be at the same.
+_SAME = 1e-6
 
 NEAREST = 10
 """How many nearest elements may be neighbours, unless the user says otherwise."""
@@ -128,19 +134,88 @@ def mesh_adjacency(mesh: PolygonMesh) -> Adjacency:
     >>> mesh_adjacency(mesh).neighbors(0).tolist()
     [1]
     """
+    return Adjacency.from_pairs(edge_pairs(mesh)[0], mesh.n_polygons)
+
+
+def edge_pairs(mesh: PolygonMesh) -> tuple[IntArray, IntArray]:
+    """Polygons that are neighbours across an edge, and across which.
+
+    Parameters
+    ----------
+    mesh : PolygonMesh
+
+    Returns
+    -------
+    pairs : (E, 2) int
+        Numbers of polygons; a pair comes once for each edge that it has in common. A polygon that
+        runs through an edge several times may be its own neighbour.
+    edge : (E,) int
+        The edges' numbers in :func:`undirected`.
+
+    Examples
+    --------
+    Four walls of a cross around their common edge:
+
+    >>> cross = PolygonMesh.from_faces(
+    ...     [[0, 0, 0], [0, 0, 1], [1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0]],
+    ...     [[0, 1, 2], [0, 1, 3], [0, 1, 4], [0, 1, 5]])
+    >>> sorted(map(sorted, edge_pairs(cross)[0].tolist()))
+    [[0, 2], [0, 3], [1, 2], [1, 3]]
+    """
     ends, polygon = mesh.edges
-    group = undirected(ends)[1]
-    order = np.argsort(group, kind="stable")
-    group, polygon = group[order], polygon[order]
+    edges, group = undirected(ends)
     sizes = np.bincount(group)
-    starts = np.concatenate([[0], np.cumsum(sizes)])[:-1]
-    pairs = []
-    for size in np.unique(sizes[sizes > 1]):
-        members = polygon[starts[sizes == size][:, None] + np.arange(size)]
-        first, second = np.triu_indices(int(size), k=1)
-        pairs.append(np.stack([members[:, first], members[:, second]], axis=-1).reshape(-1, 2))
-    joined = np.concatenate(pairs) if pairs else np.empty((0, 2), np.int64)
-    return Adjacency.from_pairs(joined, mesh.n_polygons)
+    crowded = sizes[group] > 3
+    turn = np.zeros(len(group), np.int64)
+    if crowded.any():
+        turn[crowded] = _turns(mesh, edges[group[crowded]], group[crowded], polygon[crowded])
+    order = np.lexsort((turn, group))  # in file order where the rest is equal
+    group, polygon = group[order], polygon[order]
+    # Each with the one behind it, and the last of three or more with the first.
+    starts = np.cumsum(sizes) - sizes
+    following = np.arange(1, len(group) + 1)
+    following[starts + sizes - 1] = starts
+    paired = sizes[group] > 2
+    paired[starts[sizes == 2]] = True
+    return np.stack([polygon[paired], polygon[following[paired]]], axis=1), group[paired]
+
+
+def _turns(mesh: PolygonMesh, ends: IntArray, edge: IntArray, polygon: IntArray) -> IntArray:
+    """Numbers that ascend with the angle of polygons around edges, equal at equal angles.
+
+    Parameters
+    ----------
+    mesh : PolygonMesh
+    ends : (k, 2) int
+        Positions of the ends of each edge, the same way round for all polygons of one edge.
+    edge, polygon : (k,) int
+    """
+    place = np.empty((int(mesh.merged.max()) + 1, 3))
+    place[mesh.merged] = mesh.vertices
+    start = place[ends[:, 0]]
+    along = place[ends[:, 1]] - start
+    along /= np.linalg.norm(along, axis=1, keepdims=True)
+    # Where a polygon lies, as seen along the edge, its middle says.
+    middles = np.add.reduceat(place[mesh.merged[mesh.corners]], mesh.offsets[:-1], axis=0)
+    middles /= np.diff(mesh.offsets)[:, None]
+    away = middles[polygon] - start
+    away -= np.einsum("ij,ij->i", away, along)[:, None] * along
+    far = np.linalg.norm(away, axis=1)
+    # Angles are from the polygon that is farthest away, which has one for sure.
+    by_distance = np.lexsort((far, edge))
+    last = by_distance[np.flatnonzero(np.diff(edge[by_distance], append=-1))]
+    zero = away[last[np.searchsorted(edge[last], edge)]]
+    quarter = np.cross(along, zero)
+    angle = np.arctan2(np.einsum("ij,ij->i", away, quarter), np.einsum("ij,ij->i", away, zero)) % (
+        2.0 * np.pi
+    )
+    flat = far <= _SAME * np.linalg.norm(zero, axis=1)  # on the edge: at no angle
+    angle[(angle > 2.0 * np.pi - _SAME) | flat] = 0.0
+    order = np.lexsort((angle, edge))
+    onward = np.diff(angle[order], prepend=0.0) > _SAME
+    turn = np.empty(len(edge), np.int64)
+    turn[order] = np.cumsum(onward)  # from edge to edge it need not begin anew
+    return turn
 
 
 def grid_adjacency(grid: VoxelGrid) -> Adjacency:

@@ -3,7 +3,7 @@
 A link joins two neighbouring elements. Its length is that of the boundary between them, so that
 the boundary of a part is as long as the links that leave it, whatever the elements are:
 
-- of polygons the edges that both have, each as long as it is;
+- of polygons the edges across which they are neighbours, each as long as it is;
 - of the cells of a solid the face that both have; an area, as the areas of a solid are volumes;
 - of elements that are neighbours because they are near (``--adjacency knn``), and of the cells of
   a grid's surface: an estimate that counts links. A curve crosses links in proportion to its
@@ -24,7 +24,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from moseg_core.shape.adjacency import Adjacency, undirected
+from moseg_core.shape.adjacency import Adjacency, edge_pairs, undirected
 from moseg_core.shape.geometry import Geometry
 from moseg_core.shape.mesh import PolygonMesh
 from moseg_core.shape.voxels import VoxelGrid
@@ -128,28 +128,14 @@ def find_links(
 
 def _edge_links(mesh: PolygonMesh, places: FloatArray) -> Links:
     """Links of polygons: the sum of the lengths of the edges that both have."""
-    ends, polygon = mesh.edges
+    ends = mesh.edges[0]
     position = np.empty(int(mesh.merged.max()) + 1, np.int64)
     position[mesh.merged] = np.arange(len(mesh.merged))
-    edge, group = undirected(ends)
+    edge = undirected(ends)[0]
     lengths = np.linalg.norm(places[position[edge[:, 0]]] - places[position[edge[:, 1]]], axis=1)
-    order = np.lexsort((polygon, group))
-    group, polygon = group[order], polygon[order]
-    pairs, along = [], []
-    # Around an edge that more than two polygons have, all are neighbours of all.
-    step = 1
-    while True:
-        same = np.flatnonzero(group[step:] == group[:-step])
-        if len(same) == 0:
-            break
-        pairs.append(np.stack([polygon[same], polygon[same + step]], axis=1))
-        along.append(lengths[group[same]])
-        step += 1
-    if not pairs:
-        return _summed(np.empty((0, 2), np.int64), np.empty(0), mesh.n_polygons)
-    found, length = np.concatenate(pairs), np.concatenate(along)
-    apart = found[:, 0] != found[:, 1]
-    return _summed(found[apart], length[apart], mesh.n_polygons)
+    pairs, across = edge_pairs(mesh)
+    apart = pairs[:, 0] != pairs[:, 1]
+    return _summed(pairs[apart], lengths[across[apart]], mesh.n_polygons)
 
 
 def _counted(pairs: IntArray, points: FloatArray, areas: FloatArray) -> FloatArray:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -10,7 +11,13 @@ import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from moseg_core.shape.adjacency import Adjacency, grid_adjacency, mesh_adjacency, near_pairs
+from moseg_core.shape.adjacency import (
+    Adjacency,
+    grid_adjacency,
+    mesh_adjacency,
+    near_pairs,
+    undirected,
+)
 from moseg_core.shape.mesh import PolygonMesh
 from moseg_core.shape.voxels import VoxelGrid
 from tests import shapes
@@ -60,7 +67,68 @@ def test_neighbours_on_random_faces_over_few_vertices(seed, n_vertices, n_faces)
         tuple(rng.integers(0, n_vertices, rng.integers(3, 6)).tolist()) for _ in range(n_faces)
     ]
     found = mesh_adjacency(PolygonMesh.from_faces(vertices, faces))
-    assert lists(found) == [sorted(near) for near in edge_neighbors(vertices, faces)]
+    users = {}
+    for f, face in enumerate(faces):
+        corners = [tuple(vertices[v]) for v in face]
+        for a, b in itertools.pairwise([*corners, corners[0]]):
+            if a != b:
+                users.setdefault(frozenset((a, b)), []).append(f)
+    all_with_all = [set() for _ in faces]
+    for around in users.values():
+        for f, g in itertools.permutations(set(around), 2):
+            all_with_all[f].add(g)
+            if len(around) <= 3:
+                assert g in found.neighbors(f)
+    # Some links are left out of crowded edges, so that no more are left than uses; none is made
+    # up, and nothing comes apart.
+    assert len(found.indices) <= 2 * sum(map(len, users.values()))
+    assert all(set(near) <= all_with_all[f] for f, near in enumerate(lists(found)))
+    assert found.components()[0] == len(connected_pieces(all_with_all, range(n_faces)))
+
+
+@pytest.mark.parametrize("pages", [4, 5, 12])
+@pytest.mark.parametrize("seed", range(3))
+def test_around_an_edge_neighbours_follow_each_other_by_angle(pages, seed):
+    rng = np.random.default_rng(seed)
+    angles = np.sort(rng.random(pages)) * 2 * np.pi
+    reach = rng.uniform(0.5, 2, pages)
+    tips = np.stack([reach * np.cos(angles), reach * np.sin(angles), rng.random(pages)], axis=1)
+    vertices = np.concatenate([[[0.0, 0, 0], [0, 0, 1]], tips]) @ shapes.rotation(seed).T + 7.0
+    order = rng.permutation(pages)
+    faces = [(0, 1, 2 + k) if rng.random() < 0.5 else (1, 0, 2 + k) for k in order]
+    found = lists(mesh_adjacency(PolygonMesh.from_faces(vertices, faces)))
+    named = {int(order[f]): {int(order[g]) for g in near} for f, near in enumerate(found)}
+    assert named == {k: {(k - 1) % pages, (k + 1) % pages} for k in range(pages)}
+    assert [set(near) for near in found] == edge_neighbors(vertices, faces)
+
+
+def test_copies_of_faces_at_an_edge_are_neighbours_of_each_other():
+    vertices, faces = shapes.book(5)
+    copies = [face for face in faces for _ in range(3)]
+    found = lists(mesh_adjacency(PolygonMesh.from_faces(vertices, copies)))
+    for f, near in enumerate(found):
+        assert {abs(f // 3 - g // 3) % 4 for g in near} <= {0, 1}  # pages in turn
+        assert any(f // 3 == g // 3 for g in near)
+
+
+def test_neighbours_around_one_edge_take_as_much_memory_as_faces():
+    pages = 20_000
+    vertices, faces = shapes.book(pages)
+    tracemalloc.start()
+    found = mesh_adjacency(PolygonMesh.from_faces(vertices, np.array(faces)))
+    most = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert len(found.indices) == 2 * pages
+    assert most < 2000 * pages  # bytes; all with all are 400 million pairs
+
+
+def test_edges_are_numbered_in_the_order_of_their_ends():
+    ends = np.random.default_rng(0).integers(0, 40, (300, 2))
+    edge, group = undirected(ends)
+    slow, number = np.unique(np.sort(ends, axis=1), axis=0, return_inverse=True)
+    assert edge.tolist() == slow.tolist()
+    assert group.tolist() == number.reshape(-1).tolist()
+    assert [len(part) for part in undirected(np.empty((0, 2), np.int64))] == [0, 0]
 
 
 def test_neighbours_agree_with_trimesh_on_a_manifold():

@@ -56,6 +56,12 @@ def test_around_an_edge_of_three_faces_all_are_linked_with_all():
     assert as_dict(links) == {(0, 1): 2.0, (0, 2): 2.0, (1, 2): 2.0}
 
 
+def test_around_an_edge_of_four_faces_those_are_linked_that_follow_each_other():
+    vertices = [[0, 0, 0], [0, 0, 2], [1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0]]
+    links = Shape.from_mesh(vertices, [[0, 1, 2], [0, 1, 3], [0, 1, 4], [0, 1, 5]]).links
+    assert as_dict(links) == {(0, 2): 2.0, (0, 3): 2.0, (1, 2): 2.0, (1, 3): 2.0}
+
+
 def test_two_edges_of_the_same_two_faces_add_up():
     vertices = [[0, 0, 0], [1, 0, 0], [2, 0, 0], [1, 1, 0], [1, -1, 0]]
     links = Shape.from_mesh(vertices, [[0, 1, 2, 3], [2, 1, 0, 4]]).links

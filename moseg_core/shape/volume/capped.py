@@ -25,7 +25,12 @@ import numpy as np
 
 from moseg_core.shape.adjacency import undirected
 from moseg_core.shape.mesh import PolygonMesh
+from moseg_core.shape.volume.orientation import EdgeUses
+from moseg_core.shape.volume.twins import one_of_each
 from moseg_core.types import FloatArray, IntArray
+
+#: A volume below this share of the extent cubed is rounding.
+_NOTHING = 1e-9
 
 
 def capped_volume(vertices: FloatArray, triangles: IntArray) -> float:
@@ -37,7 +42,8 @@ def capped_volume(vertices: FloatArray, triangles: IntArray) -> float:
         Near the origin, for accuracy. Those at one position are one.
     triangles : (T, 3) int
         Should be oriented alike, all outward or all inward; no matter which. Of triangles that
-        are not, the volumes cancel.
+        are not, the volumes cancel; but of a surface that has every face twice, once for either
+        side, one of each counts.
 
     Returns
     -------
@@ -61,6 +67,12 @@ def capped_volume(vertices: FloatArray, triangles: IntArray) -> float:
         # A cap runs through the loop's edges the other way.
         caps = np.einsum("ij,ij->i", centroids[loop], np.cross(stop, start))
         volume += float(counts @ caps)
+    elif len(a) and abs(volume) <= _NOTHING * float(np.ptp(a, axis=0).max()) ** 3:
+        # Nothing is open and nothing is inside: it may be a surface that is there twice.
+        mesh = PolygonMesh.from_faces(vertices, triangles)
+        single = one_of_each(mesh, EdgeUses.of(mesh))
+        if single is not None and single.kept.any():
+            return capped_volume(vertices, single.triangles(mesh))
     return abs(volume) / 6.0
 
 

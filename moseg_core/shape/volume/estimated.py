@@ -73,7 +73,7 @@ def estimated_volume(geometry: Geometry, how: float | str) -> tuple[Volume, str]
     --------
     >>> from moseg_core.shape.mesh import PolygonMesh
     >>> tent = PolygonMesh.from_faces([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]],
-    ...                               [[0, 1, 3], [1, 2, 3], [2, 0, 3]])
+    ...                               [[0, 1, 3], [1, 2, 3], [2, 0, 3], [2, 1, 0]])
     >>> volume, words = estimated_volume(tent, "hull")
     >>> round(volume.value, 6), volume.source, words
     (0.166667, 'hull', 'that of its convex hull')
@@ -179,11 +179,10 @@ def _oriented(mesh: PolygonMesh) -> tuple[PolygonMesh, int]:
     uses = EdgeUses.of(mesh)
     if not (np.abs(uses.balance) > 1).any():
         return mesh, 0
-    corners = mesh.vertices[mesh.triangles]
-    areas = np.linalg.norm(
-        np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
-    )
-    turned = turned_faces(uses, np.bincount(mesh.triangle_polygon, areas, mesh.n_polygons))[0]
+    a, b, c = (mesh.vertices[mesh.triangles[:, k]] for k in range(3))
+    areas = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    of_faces = np.bincount(mesh.triangle_polygon, areas, mesh.n_polygons).astype(np.float64)
+    turned = turned_faces(uses, of_faces)[0]
     over = turned[mesh.triangle_polygon, None]
     turned_mesh = of_triangles(mesh, np.where(over, mesh.triangles[:, ::-1], mesh.triangles))
     return turned_mesh, int(turned.sum())

@@ -60,8 +60,8 @@ class EdgeUses:
         --------
         >>> tent = PolygonMesh.from_faces([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]],
         ...                               [[0, 1, 3], [1, 2, 3], [2, 0, 3]])
-        >>> EdgeUses.of(tent).uses.tolist()
-        [1, 1, 2, 1, 2, 2]
+        >>> sorted(EdgeUses.of(tent).uses.tolist())
+        [1, 1, 1, 2, 2, 2]
         """
         ends, face = mesh.edges
         edge, group = undirected(ends)
@@ -86,7 +86,8 @@ class EdgeUses:
     def pairs(self) -> IntArray:
         """(k, 2) int: places of the two directed edges of each edge with two uses."""
         order = np.argsort(self.edge, kind="stable")
-        return order[self.uses[self.edge[order]] == 2].reshape(-1, 2)
+        paired: IntArray = order[self.uses[self.edge[order]] == 2].reshape(-1, 2)
+        return paired
 
 
 def turned_faces(uses: EdgeUses, weights: FloatArray) -> tuple[BoolArray, IntArray]:

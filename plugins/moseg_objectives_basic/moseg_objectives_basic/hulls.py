@@ -80,7 +80,7 @@ def fast_hull_volume(points: Floats) -> float:
     1.0
     """
     hull = Manifold.hull_points(moved_apart(points))
-    volume = hull.volume()
+    volume = float(hull.volume())
     if hull.status() == Error.NoError and volume > _THIN:
         return volume
     return exact_hull_volume(points)

@@ -11,7 +11,17 @@ from scipy.sparse.csgraph import connected_components
 from moseg_core.shape.adjacency import undirected
 from moseg_core.shape.mesh import PolygonMesh
 from moseg_core.shape.volume.capped import _blocks, capped_volume, with_caps
-from tests.shapes import cube, cube_without_lid, disc, moved, rotation, subdivided, tee, two_boxes
+from tests.shapes import (
+    cube,
+    cube_without_lid,
+    disc,
+    moved,
+    rotation,
+    sphere,
+    subdivided,
+    tee,
+    two_boxes,
+)
 
 
 def volume(mesh):
@@ -98,3 +108,17 @@ def test_blocks_by_their_definition(data):
 def test_blocks_of_a_long_loop():
     k = np.arange(20_000)
     assert (_blocks(np.stack([k, np.roll(k, -1)], axis=1)) == 0).all()
+
+
+def test_of_a_surface_that_is_there_twice_one_is_capped():
+    vertices, faces = sphere(3)
+    triangles = np.array([f for f in faces if vertices[list(f), 2].mean() < 0.4])
+    once = capped_volume(vertices, triangles)
+    twice = np.concatenate([triangles, triangles[:, ::-1]])
+    assert once > 1
+    for seed in range(3):
+        order = np.random.default_rng(seed).permutation(len(twice))
+        assert capped_volume(vertices, twice[order]) == pytest.approx(once)
+    flat = np.array([[0, 1, 2], [2, 1, 0]])
+    assert capped_volume(np.eye(3), flat) == 0
+    assert capped_volume(np.eye(3), np.empty((0, 3), int)) == 0
