@@ -165,11 +165,12 @@ def edge_pairs(mesh: PolygonMesh) -> tuple[IntArray, IntArray]:
     ends, polygon = mesh.edges
     edges, group = undirected(ends)
     sizes = np.bincount(group)
-    crowded = sizes[group] > 3
-    turn = np.zeros(len(group), np.int64)
-    if crowded.any():
+    order = np.argsort(group, kind="stable")
+    if (sizes > 3).any():
+        crowded = sizes[group] > 3
+        turn = np.zeros(len(group), np.int64)
         turn[crowded] = _turns(mesh, edges[group[crowded]], group[crowded], polygon[crowded])
-    order = np.lexsort((turn, group))  # in file order where the rest is equal
+        order = np.lexsort((turn, group))  # in file order where the rest is equal
     group, polygon = group[order], polygon[order]
     # Each with the one behind it, and the last of three or more with the first.
     starts = np.cumsum(sizes) - sizes
