@@ -40,7 +40,7 @@ def test_values_are_near_the_exact_ones(name):
         for a, b in zip(rough, exact, strict=True):
             for value in (planar_symmetric, ellipsoidal):
                 assert value(a) == pytest.approx(value(b), rel=0.05, abs=5e-5)
-            assert hull_volume(a) == pytest.approx(hull_volume(b), rel=1e-9)
+            assert hull_volume(a) == pytest.approx(hull_volume(b), rel=1e-7)
             points, weights = surface_samples(a)
             assert len(points) == len(weights)
             assert weights.sum() == pytest.approx(a.area, rel=1e-9)
