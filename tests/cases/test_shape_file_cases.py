@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from moseg_core import Shape, load
+from moseg_core import Shape, load, read_labels
 from moseg_core.cli import main
-from moseg_core.io.read.glb_scene import read_glb, read_glb_names
+from moseg_core.io.read.glb_scene import read_glb
 from moseg_core.io.write.glb import encode_glb
 
 DATA = Path(__file__).parent / "data"
@@ -58,9 +58,9 @@ def test_02_coordinates_of_a_map_lose_nothing_in_a_glb_file(tmp_path):
     assert far.max() < 1e-7 * shape.frame.scale
     assert again.volume == pytest.approx(29.5, rel=1e-5)
     assert not any("no area" in note for note in again.notes)
-    found, names = read_glb_names(path)
-    assert names == ("handle", "head")
-    assert np.bincount(found).tolist() == np.bincount(labels).tolist()
+    found = read_labels(path, shape)
+    assert found.names == ("handle", "head")
+    assert found.labels.tolist() == labels.tolist()
 
 
 @pytest.mark.parametrize(
