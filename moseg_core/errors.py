@@ -49,6 +49,10 @@ class ShapeError(MosegError, ValueError):
     exit_code = 3
 
 
+class Terminated(KeyboardInterrupt):
+    """Somebody told the program to end by SIGTERM, and it did; like Ctrl-C no error."""
+
+
 class PluginError(MosegError):
     """A plugin that is missing, broken, or untrue to its kind; names the distribution."""
 

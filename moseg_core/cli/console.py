@@ -1,8 +1,8 @@
 """Printing: tables on stdout, messages and progress on stderr.
 
-Colour and progress bars appear on a terminal only; rich honours ``NO_COLOR``. The bars are drawn by
-whoever reports, not by a thread: a search forks worker processes, and a fork copies locks that
-other threads hold, but not the threads that would let go of them.
+Colour and progress bars appear on a terminal only, elsewhere a line every 30 s; rich honours
+``NO_COLOR``. Both come from whoever reports, not from a thread: a search forks worker processes,
+and a fork copies locks that other threads hold, but not the threads that would let go of them.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ import json
 import math
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any, TextIO
 
@@ -26,6 +26,8 @@ from moseg_core.problem.aggregate import Evaluation
 _WIDTH_OFF_TERMINAL = 120
 #: Seconds between two drawings of the progress bars.
 _REDRAWN_EVERY = 0.1
+#: Seconds between two lines of progress off a terminal.
+_LINE_EVERY = 30.0
 
 
 def console(stream: TextIO) -> Console:
@@ -90,11 +92,46 @@ def disagreement_lines(evaluation: Evaluation) -> list[str]:
     return ["", "what disagrees most in each part:", *lines] if lines else []
 
 
+def _told(progress: Progress) -> str:
+    """The best cost so far in words, empty where there is none."""
+    best = progress.best
+    if best is None:
+        return ""
+    return f"cost {best.value:.5g}" + (f" ({best.empty} empty)" if best.empty else "")
+
+
+def progress_lines(clock: Callable[[], float] = time.monotonic) -> Report:
+    """A function to report progress to, which prints a line on stderr now and then.
+
+    For logs: a run that says nothing for an hour cannot be told from one that hangs, and an
+    optimizer that never ends is seen by its count.
+
+    Parameters
+    ----------
+    clock : callable
+        The time in seconds.
+    """
+    began = spoke = clock()
+
+    def report(progress: Progress) -> bool:
+        nonlocal spoke
+        now = clock()
+        if now - spoke < _LINE_EVERY:
+            return False
+        spoke = now
+        share = "" if progress.fraction is None else f"{100 * progress.fraction:.0f} %"
+        said = [f"{progress.stage} {progress.done}", share, _told(progress)]
+        message(f"{', '.join(part for part in said if part)} ({now - began:.0f} s so far)")
+        return False
+
+    return report
+
+
 @contextmanager
 def progress_reporter(*, quiet: bool) -> Iterator[Report]:
-    """A function to report progress to, which shows nothing off a terminal."""
+    """A function to report progress to: bars on a terminal, a line now and then elsewhere."""
     if quiet or not sys.stderr.isatty():
-        yield lambda progress: False
+        yield (lambda progress: False) if quiet else progress_lines()
         return
     bars = Bars(
         TextColumn("{task.description}"),
@@ -120,17 +157,13 @@ def progress_reporter(*, quiet: bool) -> Iterator[Report]:
                 bars.update(earlier, total=1.0, completed=1.0, visible=shown)
                 bars.stop_task(earlier)
             tasks[progress.stage] = bars.add_task(progress.stage, total=None, cost="")
-        best = progress.best
-        cost = "" if best is None else f"cost {best.value:.5g}"
-        if best is not None and best.empty:
-            cost += f" ({best.empty} empty)"
         fraction = progress.fraction
         bars.update(
             tasks[progress.stage],
             description=f"{progress.stage} {progress.done}",
             total=None if fraction is None else 1.0,
             completed=fraction or 0.0,
-            cost=cost,
+            cost=_told(progress),
         )
         if time.monotonic() - drawn >= _REDRAWN_EVERY:
             bars.refresh()

@@ -10,7 +10,7 @@ from cyclopts import CycloptsError
 
 from moseg_core.cli.app import app
 from moseg_core.components.discovery.registry import registry
-from moseg_core.errors import MosegError, UsageError, unknown
+from moseg_core.errors import MosegError, Terminated, UsageError, unknown
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -25,7 +25,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     ------
     SystemExit
         With 0, or the exit code of what went wrong (:mod:`moseg_core.errors`); 130 when
-        interrupted.
+        interrupted, 143 when told to end by SIGTERM.
     """
     sys.exit(_run(list(sys.argv[1:] if arguments is None else arguments)))
 
@@ -67,6 +67,9 @@ def _run(arguments: list[str]) -> int:
     except MosegError as error:
         print(f"moseg: {error}", file=sys.stderr)
         return error.exit_code
+    except Terminated:
+        print("moseg: told to end", file=sys.stderr)
+        return 143
     except KeyboardInterrupt:
         print("moseg: interrupted", file=sys.stderr)
         return 130

@@ -157,7 +157,7 @@ def run_segment(
     if failure is not None:
         raise failure
     if result.reason == "interrupted":
-        raise KeyboardInterrupt
+        raise stop.ended()
 
 
 def _steered(

@@ -13,9 +13,11 @@ import math
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 
+from moseg_core.components.at_work import at_work
 from moseg_core.components.cost import Cost
 from moseg_core.components.detail import Detail
-from moseg_core.components.discovery.registry import describe
+from moseg_core.components.faults import FAULTS, describe
+from moseg_core.components.real_number import described, real_number
 from moseg_core.components.segmentation import Segmentation
 from moseg_core.errors import REPORT, PluginError, UsageError
 from moseg_core.problem.binding import BoundTerm
@@ -238,17 +240,24 @@ def _computed(
     """The value of a call; parts are made only here, where it is not remembered."""
     subject = _subject(term, call, segmentation)
     who = f"objective '{term.id}' of {term.distribution}"
+    doing = f"{who} in {_where(term, call, labels)}"
     try:
-        with under_watch(f"{who} in {_where(term, call, labels)}"):
-            value = float(term.objective(subject, **term.parameters))
+        with at_work(doing), under_watch(doing):
+            returned = term.objective(subject, **term.parameters)
     except UsageError as error:  # it says what is wrong with its parameters
         raise UsageError(f"in {_where(term, call, labels)}: {error}") from error
     except PluginError as error:  # it names another component, such as a measure
         raise PluginError(f"in {_where(term, call, labels)}: {error}") from error
-    except Exception as error:  # a stranger's objective may raise anything
+    except FAULTS as error:
         raise PluginError(
             f"{who} failed in {_where(term, call, labels)}: {describe(error)}; {REPORT}"
         ) from error
+    value = real_number(returned)
+    if value is None:
+        raise PluginError(
+            f"{who} returned {described(returned)} in {_where(term, call, labels)}; a value must be"
+            f" a real number, such as float(...) makes; {REPORT}"
+        )
     low, high = term.objective.traits.range
     if math.isfinite(value) and low <= value <= high:
         return value
@@ -281,7 +290,7 @@ def call_details(
     who = f"objective '{term.id}' of {term.distribution}"
     try:
         found = tuple(told(subject, **term.parameters))
-    except Exception as error:  # a stranger's objective may raise anything
+    except FAULTS as error:
         raise PluginError(
             f"{who} failed to say what its value comes from: {describe(error)}; {REPORT}"
         ) from error

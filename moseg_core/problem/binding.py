@@ -16,7 +16,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, TypeVar
 
-from moseg_core.components.discovery.registry import Registry, describe
+from moseg_core.components.discovery.registry import Registry
+from moseg_core.components.faults import FAULTS, describe
 from moseg_core.components.objectives import COST_ORDER, Arity
 from moseg_core.components.parameters import Parameter, check_parameters
 from moseg_core.components.protocols import Objective
@@ -135,7 +136,7 @@ class BoundTerm:
             return ask(self.parameters)
         except UsageError as error:  # it says what is wrong with its parameters
             raise UsageError(f"in '{self.term.call}': {error}") from error
-        except Exception as error:  # a stranger's objective may raise anything
+        except FAULTS as error:
             raise PluginError(
                 f"objective '{self.id}' of {self.distribution} failed to {to}: {describe(error)};"
                 f" {REPORT}"

@@ -12,8 +12,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from moseg_core.components.at_work import at_work
 from moseg_core.components.constraint_function import FunctionConstraint
-from moseg_core.components.discovery.registry import Component, Registry, describe
+from moseg_core.components.discovery.registry import Component, Registry
+from moseg_core.components.faults import FAULTS, describe
 from moseg_core.components.parameters import declared_parameters
 from moseg_core.components.protocols import Constraint
 from moseg_core.errors import REPORT, ExpressionError, MosegError, PluginError, UsageError
@@ -79,10 +81,11 @@ class BoundConstraint:
             It fails; says which constraint and how.
         """
         try:
-            return method(*arguments)
+            with at_work(f"constraint '{self.id}' of {self.distribution}"):
+                return method(*arguments)
         except MosegError:
             raise
-        except Exception as error:  # a stranger's constraint may raise anything
+        except FAULTS as error:
             raise PluginError(
                 f"constraint '{self.id}' of {self.distribution} failed: {describe(error)}"
             ) from error

@@ -20,7 +20,7 @@ from typing import Any
 from moseg_core.errors import MosegError
 from moseg_core.search.evaluator import Found, ProblemEvaluator
 from moseg_core.search.run import RunOutcome
-from moseg_core.search.workers import Enough, Task, Workers
+from moseg_core.search.workers import Enough, Task, Workers, sendable_cause
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -32,12 +32,16 @@ class Answer:
     result : object
     error : MosegError or None
         Instead of a result.
+    cause : BaseException or None
+        What the error was raised from, where it comes from another process: an exception that is
+        sent leaves its cause behind.
     found : tuple of Found or None
         For each evaluator the best that it has seen in this process.
     """
 
     result: Any = None
     error: MosegError | None = None
+    cause: BaseException | None = None
     found: tuple[Found | None, ...] = ()
 
 
@@ -82,7 +86,7 @@ class TrackedWorkers:
         answers: list[Answer] = self._pool.map(name, arguments, enough=over)
         for answer in answers:
             if answer.error is not None:
-                raise answer.error
+                raise answer.error from (answer.cause or answer.error.__cause__)
         return [answer.result for answer in answers]
 
     def best_found(self, error: MosegError) -> RunOutcome | None:
@@ -106,15 +110,16 @@ class TrackedWorkers:
 
     def _answering(self, task: Task) -> Task:
         def answer(*given: Any, **more: Any) -> Answer:
-            result = error = None
+            result = error = cause = None
             try:
                 result = task(*given, **more)
             except MosegError as failure:
                 error = failure
                 if multiprocessing.parent_process() is not None:  # else it is lost on the way
                     error.add_note("".join(traceback.format_exception(error)))
+                    cause = sendable_cause(error)
             found = tuple(evaluator.best for evaluator in self._evaluators)
-            return Answer(result=result, error=error, found=found)
+            return Answer(result=result, error=error, cause=cause, found=found)
 
         return answer
 

@@ -16,8 +16,9 @@ from typing import Any
 
 import numpy as np
 
+from moseg_core.components.at_work import at_work
 from moseg_core.components.chosen import PreparedComponent
-from moseg_core.components.discovery.registry import describe
+from moseg_core.components.faults import FAULTS, describe
 from moseg_core.components.parameters import PROVIDED, takes
 from moseg_core.components.protocols import Centers, Parameterization
 from moseg_core.errors import REPORT, MosegError, PluginError
@@ -235,10 +236,11 @@ class CheckedParameterization:
 
     def _call(self, name: str, *given: Any) -> Any:
         try:
-            return getattr(self._inner, name)(*given)
+            with at_work(self._who):
+                return getattr(self._inner, name)(*given)
         except MosegError:  # it says who is to blame
             raise
-        except Exception as error:  # a stranger's component may raise anything
+        except FAULTS as error:
             raise PluginError(
                 f"{self._who} failed in {name}(): {describe(error)}; {REPORT}"
             ) from error
@@ -248,7 +250,7 @@ class CheckedParameterization:
             return getattr(self._inner, name)
         except MosegError:
             raise
-        except Exception as error:  # a stranger's component may raise anything
+        except FAULTS as error:
             raise PluginError(
                 f"{self._who} cannot say its {name}: {describe(error)}; {REPORT}"
             ) from error

@@ -29,6 +29,8 @@ from multiprocessing.connection import Connection, wait
 from types import TracebackType
 from typing import Any, Self
 
+from moseg_core.components.at_work import SIZE, note_in, noted
+from moseg_core.components.faults import FAULTS
 from moseg_core.components.protocols import Progress, Report
 from moseg_core.errors import MosegError, PluginError
 from moseg_core.problem.slow_calls import rest
@@ -54,6 +56,8 @@ _PATIENCE = 5.0
 class _Worker:
     process: Any
     pipe: Connection
+    #: Memory in which the process notes which component is at work.
+    memory: Any
     #: Number of the task that it is at, or -1.
     task: int = -1
 
@@ -93,13 +97,10 @@ class Workers:
         trace: TracebackType | None,
     ) -> None:
         for worker in self._workers:
-            worker.process.terminate()
+            worker.process.kill()  # nothing to wind up there; and it may not listen to less
             worker.pipe.close()
         for worker in self._workers:
             worker.process.join(_PATIENCE)
-            if worker.process.is_alive():
-                worker.process.kill()
-                worker.process.join()
         self._workers = []
 
     def map(
@@ -192,12 +193,13 @@ class Workers:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", DeprecationWarning)
                 ours = [*(worker.pipe for worker in self._workers), mine]
+                memory = context.RawArray("c", SIZE)
                 process = context.Process(
-                    target=_serve, args=(self._tasks, theirs, ours, self._flag), daemon=True
+                    target=_serve, args=(self._tasks, theirs, ours, self._flag, memory), daemon=True
                 )
                 process.start()
             theirs.close()
-            self._workers.append(_Worker(process, mine))
+            self._workers.append(_Worker(process, mine, memory))
 
     def _send(self, worker: _Worker, task: tuple[str, tuple[Any, ...]]) -> None:
         """Give a worker something to do."""
@@ -213,7 +215,8 @@ class Workers:
         except (EOFError, OSError) as error:
             raise _lost(worker) from error
         if kind == "error":
-            raise content
+            failure, cause = content
+            raise failure from cause
         return (content, None) if kind == "progress" else (None, content)
 
 
@@ -222,13 +225,19 @@ def _lost(worker: _Worker) -> MosegError:
     worker.process.join(_PATIENCE)
     code = worker.process.exitcode
     why = f"exit code {code}" if code is None or code >= 0 else f"signal {-code}"
+    component = noted(worker.memory)
+    during = f" while {component} was at work" if component else ""
     return MosegError(
-        f"a worker process ended early ({why}); with one worker there is none to lose"
+        f"a worker process ended early ({why}){during}; with one worker there is none to lose"
     )
 
 
 def _serve(
-    tasks: Mapping[str, Task], pipe: Connection, others: Sequence[Connection], flag: Any
+    tasks: Mapping[str, Task],
+    pipe: Connection,
+    others: Sequence[Connection],
+    flag: Any,
+    memory: Any,
 ) -> None:
     """What a process does: one task after the other, until the pipe is closed.
 
@@ -236,7 +245,11 @@ def _serve(
     them open too, nobody would ever notice that it is gone.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the one that asked
-    signal.signal(signal.SIGTERM, signal.SIG_DFL)  # whatever that one does when told to end
+    # Where that one winds up when it is told to end, its copies, which may be told too, go on
+    # until it has: they end with the pipe. Elsewhere they end at once.
+    handled = signal.getsignal(signal.SIGTERM) not in (signal.SIG_DFL, None)
+    signal.signal(signal.SIGTERM, signal.SIG_IGN if handled else signal.SIG_DFL)
+    note_in(memory)
     for other in others:
         other.close()
 
@@ -251,9 +264,9 @@ def _serve(
             return
         try:
             answer = ("done", tasks[name](*given, report=report))
-        except Exception as error:  # noqa: BLE001  # whatever it is, it is raised over there
+        except FAULTS as error:  # whatever it is, it is raised over there
             error.add_note("".join(traceback.format_exception(error)))
-            answer = ("error", error)
+            answer = ("error", (error, sendable_cause(error)))
         try:
             pipe.send_bytes(_packed(answer))
         except OSError:  # nobody is there any more
@@ -267,10 +280,21 @@ def _packed(answer: tuple[str, Any]) -> bytes:
         pickle.loads(packed)  # an exception may be packed and yet not unpacked
     except Exception as error:  # noqa: BLE001  # objects decide themselves what they raise here
         if answer[0] == "error":
-            failure: Exception = MosegError(f"{type(answer[1]).__name__}: {answer[1]}")
+            raised = answer[1][0]
+            failure: Exception = MosegError(f"{type(raised).__name__}: {raised}")
         else:
             failure = PluginError(
                 f"what was found cannot be sent between processes ({error}); use one worker"
             )
-        packed = pickle.dumps(("error", failure))
+        packed = pickle.dumps(("error", (failure, None)))
     return packed
+
+
+def sendable_cause(error: BaseException) -> BaseException | None:
+    """What an error was raised from, where it can be sent between processes; else None."""
+    cause = error.__cause__
+    try:
+        again = pickle.loads(pickle.dumps(cause))
+    except Exception:  # noqa: BLE001  # objects decide themselves what they raise here
+        return None
+    return cause if isinstance(again, BaseException) else None

@@ -9,10 +9,11 @@ from __future__ import annotations
 import importlib
 import warnings
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Literal
 
-from moseg_core.components.discovery.registry import Registry, describe, registry
+from moseg_core.components.discovery.registry import Registry, registry
+from moseg_core.components.faults import FAULTS, describe
 from moseg_core.errors import PluginError, UsageError, unknown
 from moseg_core.testing.check import CHECKS, Check, ContractFailure, Skip, Subject
 
@@ -54,6 +55,8 @@ class Outcome:
         Why, where it did not pass.
     fix : str
         How to mend it; empty where the check could not say.
+    cause : BaseException, optional
+        What the component raised, where that was it, with its traceback.
     """
 
     component: str
@@ -61,6 +64,7 @@ class Outcome:
     status: Status
     message: str = ""
     fix: str = ""
+    cause: BaseException | None = field(default=None, compare=False, repr=False)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -94,7 +98,7 @@ class Case:
             reason = f"it fails '{shut}', without which this cannot be said"
             return Outcome(**ids, status="skipped", message=reason)
         try:
-            failure, fix = _failure(self.check, self.subject)
+            failure, fix, cause = _failure(self.check, self.subject)
         except Skip as reason:
             return Outcome(**ids, status="skipped", message=str(reason))
         if failure and self.expected:
@@ -103,7 +107,8 @@ class Case:
             return Outcome(**ids, status="warned", message=failure, fix=fix)
         if self.expected and not failure:
             failure = f"was expected to fail ({self.expected}) and passes; take it off the list"
-        return Outcome(**ids, status="failed" if failure else "passed", message=failure, fix=fix)
+        status: Status = "failed" if failure else "passed"
+        return Outcome(**ids, status=status, message=failure, fix=fix, cause=cause)
 
     def __call__(self) -> None:
         """Run the check, for use in a test.
@@ -118,7 +123,7 @@ class Case:
             fix = f"\nhow to fix it: {outcome.fix}" if outcome.fix else ""
             raise AssertionError(
                 f"{self.id}: {outcome.message}{fix}\nwhy it matters: {self.check.why}"
-            )
+            ) from outcome.cause
         if outcome.status in ("skipped", "expected"):
             import unittest
 
@@ -128,8 +133,8 @@ class Case:
             warnings.warn(f"{self.id}: {outcome.message}{fix}", FutureWarning, stacklevel=2)
 
 
-def _failure(check: Check, subject: Subject) -> tuple[str, str]:
-    """What a check complains about, and how to mend it; empty where it passes.
+def _failure(check: Check, subject: Subject) -> tuple[str, str, BaseException | None]:
+    """What a check complains about, how to mend it, and what was raised; empty where it passes.
 
     Raises
     ------
@@ -144,10 +149,12 @@ def _failure(check: Check, subject: Subject) -> tuple[str, str]:
         except Skip:
             raise
         except ContractFailure as error:
-            return f"{error.did}: got {error.got}, expected {error.expected}", error.fix
-        except Exception as error:  # noqa: BLE001  # a stranger's component may raise anything
-            return f"it raised {describe(error)}", ""
-    return "", ""
+            # The kit's own frames would only stand between the author and the author's.
+            said = f"{error.did}: got {error.got}, expected {error.expected}"
+            return said, error.fix, error.__cause__
+        except FAULTS as error:
+            return f"it raised {describe(error)}", "", error
+    return "", "", None
 
 
 def _shut_gate(check: Check, subject: Subject) -> str:

@@ -20,6 +20,7 @@ from moseg_core.cli.console import (
     console,
     disagreement_lines,
     message,
+    progress_lines,
     progress_reporter,
     terms_table,
 )
@@ -208,3 +209,30 @@ def test_bars_of_other_numbers_of_parts_make_room(monkeypatch):
     assert "8 parts: polish" in shown
     up = "\x1b[1A\x1b[2K"  # what wipes a line before it is drawn anew
     assert max(len(run) for run in re.findall(f"(?:{re.escape(up)})+", shown)) <= 3 * len(up)
+
+
+def test_off_a_terminal_progress_is_a_line_every_half_minute(capsys):
+    seconds = [0.0]
+    report = progress_lines(lambda: seconds[0])
+    for now in (1.0, 29.0, 31.0, 40.0, 60.0, 62.0):
+        seconds[0] = now
+        best = Cost(1, 0.5) if now < 60 else Cost(0, 0.25)
+        fraction = None if now < 60 else 0.5
+        told = Progress(stage="search", done=int(now), best=best, fraction=fraction)
+        assert report(told) is False
+    printed = capsys.readouterr()
+    assert printed.out == ""
+    assert printed.err.splitlines() == [
+        "moseg: search 31, cost 0.5 (1 empty) (31 s so far)",
+        "moseg: search 62, 50 %, cost 0.25 (62 s so far)",
+    ]
+
+
+def test_quiet_means_no_lines_either(capsys, monkeypatch):
+    monkeypatch.setattr("moseg_core.cli.console._LINE_EVERY", 0.0)
+    with progress_reporter(quiet=True) as report:
+        report(Progress(stage="search", done=1))
+    assert capsys.readouterr().err == ""
+    with progress_reporter(quiet=False) as report:
+        report(Progress(stage="search", done=1))
+    assert capsys.readouterr().err.startswith("moseg: search 1 (")

@@ -8,11 +8,16 @@ import signal
 import subprocess
 import sys
 
+import pytest
+
+from moseg_core.cli.interrupt import stop_on_interrupt
+from moseg_core.errors import Terminated
+
 SENTENCE = "3*narrow(handle) + perpendicular(handle, head) + convex_parts"
 
 
-def interrupted(words, cwd):
-    """Run the command line and press Ctrl-C once the search is under way."""
+def interrupted(words, cwd, number=signal.SIGINT):
+    """Run the command line and press Ctrl-C, or send another signal, in the middle of a search."""
     process = subprocess.Popen(
         # One process: a copy of it would not see that the signal has come.
         [sys.executable, "-u", "-c", _RUNNER, *words, "--workers", "1"],
@@ -24,7 +29,7 @@ def interrupted(words, cwd):
     )
     for line in process.stderr:
         if "polling" in line:
-            process.send_signal(signal.SIGINT)
+            process.send_signal(number)
             break
     out, err = process.communicate(timeout=120)
     return process.returncode, out, err
@@ -73,3 +78,26 @@ def test_ctrl_c_without_outputs_ends_at_once(mallet, tmp_path):
     assert code == 130
     assert out == ""
     assert "interrupted" in err
+
+
+def test_told_to_end_it_writes_the_best_so_far_too(mallet, tmp_path):
+    out = tmp_path / "cut.json"
+    words = ["segment", str(mallet), "--recipe", "paper_hammer", "-o", str(out)]
+    code, _, err = interrupted(words, ".", signal.SIGTERM)
+    assert code == 143
+    assert "told to end; finishing with the best so far" in err
+    assert json.loads(out.read_text())["reason"] == "interrupted"
+
+
+def test_the_second_signal_ends_at_once_and_what_was_there_before_is_back():
+    before = [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)]
+    with stop_on_interrupt(wanted=True) as stop:
+        assert not stop()
+        os.kill(os.getpid(), signal.SIGTERM)
+        assert stop()
+        assert isinstance(stop.ended(), Terminated)
+        with pytest.raises(Terminated):
+            os.kill(os.getpid(), signal.SIGTERM)
+        with pytest.raises(KeyboardInterrupt):
+            os.kill(os.getpid(), signal.SIGINT)
+    assert [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)] == before

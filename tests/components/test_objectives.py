@@ -374,6 +374,9 @@ class Unprintable:
     def __float__(self) -> float:
         raise TypeError("no number")
 
+    def __repr__(self) -> str:
+        raise TypeError("no text")
+
 
 @pytest.mark.parametrize(
     ("value", "shown"),
@@ -384,11 +387,12 @@ class Unprintable:
         (1.5, "returned 1.5"),
         (-0.1, "returned -0.1"),
         (1 + 1e-6, "returned 1.000001"),
-        (None, "TypeError"),
-        ("much", "ValueError"),
-        (1j, "TypeError"),
-        ([0.5], "TypeError"),
-        (Unprintable(), "TypeError: no number"),
+        (None, "returned None in"),
+        ("0.5", "returned '0.5' (a str)"),
+        (1j, "returned 1j (a complex)"),
+        ([0.5], "returned [0.5] (a list)"),
+        (True, "returned True (a bool)"),
+        (Unprintable(), "returned something (an Unprintable)"),
     ],
     ids=lambda value: type(value).__name__ if isinstance(value, Unprintable) else str(value),
 )

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from moseg_core.components.at_work import at_work
 from moseg_core.components.protocols import Progress, never_stop
 from moseg_core.errors import ExpressionError, MosegError, PluginError, UsageError
 from moseg_core.search.workers import Workers, available_workers
@@ -188,3 +189,63 @@ def test_enough_is_enough(count):
 
 def test_numbers_of_workers():
     assert available_workers() >= 1
+
+
+def test_the_component_that_a_process_died_in_is_named():
+    def crash(k, *, report):
+        with at_work("seeder 'strange:odd' of moseg-strange 2.0"):
+            pass
+        with at_work("objective 'strange:crash' of moseg-strange 2.0 in 'crash(a)' for a"):
+            os.kill(os.getpid(), signal.SIGSEGV)
+
+    with (
+        Workers({"crash": crash}, 2, never_stop) as workers,
+        pytest.raises(
+            MosegError,
+            match=r"ended early \(signal 11\) while objective 'strange:crash' of moseg-strange 2\.0"
+            r" in 'crash\(a\)' for a was at work",
+        ),
+    ):
+        workers.map("crash", [(0,), (1,)])
+
+
+def test_errors_keep_their_cause_on_the_way():
+    def fail(k, *, report):
+        try:
+            raise ZeroDivisionError("by nothing")
+        except ZeroDivisionError as error:
+            raise PluginError("it failed") from error
+
+    with (
+        Workers({"fail": fail}, 2, never_stop) as workers,
+        pytest.raises(PluginError, match="it failed") as caught,
+    ):
+        workers.map("fail", [(0,), (1,)])
+    assert isinstance(caught.value.__cause__, ZeroDivisionError)
+    assert "raise ZeroDivisionError" in caught.value.__notes__[0]
+
+
+def test_a_task_that_exits_is_an_error():
+    def leave(k, *, report):
+        raise SystemExit(3)
+
+    with (
+        Workers({"leave": leave}, 2, never_stop) as workers,
+        pytest.raises(SystemExit),
+    ):
+        workers.map("leave", [(0,), (1,)])
+
+
+def test_processes_go_on_where_this_one_winds_up_when_told_to_end():
+    """A batch system tells all processes of a run; those that work must not be lost by it."""
+
+    def told(k, *, report):
+        os.kill(os.getpid(), signal.SIGTERM)
+        return k
+
+    before = signal.signal(signal.SIGTERM, lambda number, frame: None)
+    try:
+        with Workers({"told": told}, 2, never_stop) as workers:
+            assert workers.map("told", [(0,), (1,)]) == [0, 1]
+    finally:
+        signal.signal(signal.SIGTERM, before)

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import sys
+import traceback
+
 import pytest
 
 from moseg_core.components.discovery.registry import Bundle, Component, Registry
@@ -9,6 +12,7 @@ from moseg_core.components.discovery.specs import MeasureSpec
 from moseg_core.errors import PluginError, UsageError
 from moseg_core.testing import CHECKS, Case, Check, ContractFailure, cases_of, check
 from moseg_core.testing.check import Skip
+from moseg_core.testing.fixtures.comparison import attempt, expect_no_error
 from tests.testing.outcomes import subject
 
 MEASURE = MeasureSpec(name="spread", target="tests.testing.broken.heavy:spread")
@@ -31,13 +35,29 @@ def crash(_):
     raise ZeroDivisionError("by nothing")
 
 
+def leave(_):
+    sys.exit(3)
+
+
 @pytest.mark.parametrize(
     ("run", "status", "message", "fix"),
     [
         (lambda _: None, "passed", "", ""),
         (complain, "failed", "it was run: got 1, expected 2", "add 1"),
         (skip, "skipped", "not of this kind", ""),
-        (crash, "failed", "it raised ZeroDivisionError: by nothing", ""),
+        (
+            crash,
+            "failed",
+            "it raised ZeroDivisionError: by nothing (tests/testing/test_run.py:34:"
+            ' "raise ZeroDivisionError("by nothing")")',
+            "",
+        ),
+        (
+            leave,
+            "failed",
+            'it raised SystemExit: 3 (tests/testing/test_run.py:38: "sys.exit(3)")',
+            "",
+        ),
     ],
 )
 def test_outcomes(run, status, message, fix):
@@ -49,6 +69,21 @@ def test_outcomes(run, status, message, fix):
 def test_a_failure_says_why_it_matters():
     with pytest.raises(AssertionError, match=r"own:spread made-up: it was run(.|\n)*made up\."):
         case(complain)()
+
+
+def answers(_):
+    expect_no_error({"part 0": attempt(crash, 0)}, did="it was asked", fix="mend it")
+
+
+@pytest.mark.parametrize("run", [crash, answers])
+def test_a_failure_shows_the_line_of_the_author_and_is_raised_from_the_error(run):
+    with pytest.raises(
+        AssertionError, match=r"test_run\.py:\d+: .raise ZeroDivisionError"
+    ) as caught:
+        case(run)()
+    cause = caught.value.__cause__
+    assert isinstance(cause, ZeroDivisionError)
+    assert traceback.extract_tb(cause.__traceback__)[-1].name == "crash"
 
 
 def test_expected_failures_are_strict():

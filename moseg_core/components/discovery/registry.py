@@ -27,6 +27,7 @@ from typing import Any
 
 import pluggy
 
+from moseg_core.components.at_work import at_work
 from moseg_core.components.discovery import contract, hookspecs
 from moseg_core.components.discovery.distributions import (
     Claim,
@@ -37,6 +38,7 @@ from moseg_core.components.discovery.distributions import (
 )
 from moseg_core.components.discovery.hookspecs import HOOKS
 from moseg_core.components.discovery.specs import NAME, Kind, Spec
+from moseg_core.components.faults import FAULTS, describe, summary
 from moseg_core.errors import REPORT, MosegError, PluginError, UsageError, nearest, unknown
 
 
@@ -76,13 +78,16 @@ class Component:
         """Turn whatever the component raises into a PluginError that names it.
 
         moseg's own errors pass: they say what is wrong with the request or with another
-        component. So do errors of the operating system about files.
+        component. So do errors of the operating system about the file that a reader reads.
         """
         try:
-            yield
-        except (MosegError, OSError):
+            with at_work(self.who):
+                yield
+        except MosegError:
             raise
-        except Exception as error:  # a stranger's component may raise anything
+        except FAULTS as error:
+            if isinstance(error, OSError) and self.kind == "reader":
+                raise
             raise PluginError(f"{self.who} {what}: {describe(error)}; {REPORT}") from error
 
     def load(self) -> Any:
@@ -96,7 +101,7 @@ class Component:
         module_name, _, attribute = self.spec.target.partition(":")
         try:
             return getattr(importlib.import_module(module_name), attribute)
-        except (Exception, SystemExit) as error:  # a stranger's module may raise anything
+        except FAULTS as error:
             raise PluginError(
                 f"{self.kind} '{self.id}' of {self.distribution} cannot be loaded from"
                 f" '{self.spec.target}': {describe(error)}; update or reinstall it"
@@ -330,11 +335,11 @@ def _load_bundle(manager: pluggy.PluginManager, claim: Claim, claimants: Sequenc
         return aside(f"'{point.name}' is not a valid namespace", report)
     try:
         module = point.load()
-    except (Exception, SystemExit) as error:  # noqa: BLE001  # a stranger's module may raise anything
+    except FAULTS as error:
         advice = f"update or reinstall {distribution}, or uninstall it"
         if isinstance(error, ImportError) and (error.name or "").startswith("moseg_core"):
             advice += f"; it may need another moseg-core than {contract.VERSION}"
-        return aside(f"importing '{point.value}' failed with {describe(error)}", advice)
+        return aside(f"importing '{point.value}' failed with {summary(error)}", advice)
     try:
         bundle = replace(bundle, contract=contract.stated(module))
         if refused := contract.refusal(bundle.contract, distribution, contract.VERSION):
@@ -342,8 +347,8 @@ def _load_bundle(manager: pluggy.PluginManager, claim: Claim, claimants: Sequenc
         if misspelled := _unknown_hooks(module):
             return aside(misspelled, report)
         manager.register(module, name=point.name)
-    except Exception as error:  # noqa: BLE001  # a stranger's module may raise anything
-        return aside(f"registering it failed with {describe(error)}", report)
+    except FAULTS as error:
+        return aside(f"registering it failed with {summary(error)}", report)
 
     components: list[Component] = []
     for hook, (kind, spec_type) in HOOKS.items():
@@ -353,8 +358,8 @@ def _load_bundle(manager: pluggy.PluginManager, claim: Claim, claimants: Sequenc
                 continue
             try:
                 specs = list(implementation.function())
-            except (Exception, SystemExit) as error:  # noqa: BLE001  # a stranger's hook
-                return aside(f"hook '{hook}' failed with {describe(error)}", report)
+            except FAULTS as error:
+                return aside(f"hook '{hook}' failed with {summary(error)}", report)
             for spec in specs:
                 if not isinstance(spec, spec_type):
                     return aside(
@@ -388,9 +393,3 @@ def _marked(module: ModuleType) -> Iterator[tuple[str, dict[str, Any]]]:
         marks = getattr(value, "moseg_impl", None) if inspect.isroutine(value) else None
         if isinstance(marks, dict):
             yield name, marks
-
-
-def describe(error: BaseException) -> str:
-    """Kind and message of an error, in one line."""
-    text = " ".join(str(error).split())
-    return f"{type(error).__name__}: {text}" if text else type(error).__name__

@@ -18,8 +18,8 @@ from functools import lru_cache
 from typing import Any, get_args
 
 from moseg_core.components import protocols
-from moseg_core.components.discovery.registry import describe
 from moseg_core.components.discovery.specs import Invariance, Kind, Requirement
+from moseg_core.components.faults import FAULTS, describe
 from moseg_core.components.objectives import COST_ORDER, Arity, Traits
 from moseg_core.components.parameters import Parameter
 from moseg_core.problem.problem import Problem
@@ -60,7 +60,7 @@ def _target_resolves(subject: Subject) -> None:
     did = f"'{spec.target}' was imported"
     try:
         target = subject.load()
-    except Exception as error:  # a stranger's module may raise anything
+    except FAULTS as error:
         raise ContractFailure(
             did=did,
             got=describe(error.__cause__ or error),
@@ -169,7 +169,7 @@ def _default_construction(subject: Subject) -> None:
         _made(subject)
     except (Skip, ContractFailure):
         raise
-    except Exception as error:  # a stranger's component may raise anything
+    except FAULTS as error:
         raise ContractFailure(
             did=f"{subject.component.spec.target} was made from its defaults",
             got=describe(error),

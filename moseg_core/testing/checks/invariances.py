@@ -16,10 +16,11 @@ import numpy as np
 
 from moseg_core.components.discovery.specs import Invariance
 from moseg_core.components.protocols import Objective
+from moseg_core.components.real_number import real_number
 from moseg_core.shape.shape import Shape
 from moseg_core.testing.check import ContractFailure, Skip, Subject, check
 from moseg_core.testing.fixtures import shapes
-from moseg_core.testing.fixtures.comparison import Raised
+from moseg_core.testing.fixtures.comparison import precision
 from moseg_core.testing.fixtures.objective_values import (
     SLICED,
     most_of,
@@ -113,12 +114,14 @@ def _compare(
     tolerance: float = _EXACT,
 ) -> None:
     """Complain where two values differ by more than a share of them, or of the range."""
-    if isinstance(before, Raised) and isinstance(after, Raised):
+    first, second = real_number(before), real_number(after)
+    if first is None and second is None:
         return  # that is for another check to say
-    if isinstance(before, (int, float)) and isinstance(after, (int, float)):
+    if first is not None and second is not None:
         low, high = subject.load().traits.range
-        size = max(abs(before), abs(after), 0.01 * min(1.0, high - low))
-        if abs(before - after) <= tolerance * size or before == after:
+        size = max(abs(first), abs(second), 0.01 * min(1.0, high - low))
+        tolerance = max(tolerance, precision(before), precision(after))
+        if abs(first - second) <= tolerance * size or first == second:
             return
     raise ContractFailure(
         did=f"the lump was {did}",

@@ -18,10 +18,11 @@ import numpy as np
 from moseg_core.components.cost import Cost
 from moseg_core.components.detail import Detail
 from moseg_core.components.discovery.lookup import Lookup
-from moseg_core.components.discovery.registry import describe
+from moseg_core.components.faults import FAULTS, describe
 from moseg_core.components.memo import Memo
 from moseg_core.components.part import Part
 from moseg_core.components.protocols import Batch, Objective
+from moseg_core.components.real_number import described, real_number
 from moseg_core.errors import MosegError, UsageError
 from moseg_core.language.terms import format_call
 from moseg_core.search.evaluator import ProblemEvaluator
@@ -86,10 +87,14 @@ def _in_range(subject: Subject) -> None:
     for title, value in _zoo_values(subject).items():
         if isinstance(value, Raised):
             continue
-        try:
-            number = float(value)
-        except (TypeError, ValueError):
-            number = math.nan
+        number = real_number(value)
+        if number is None:
+            raise ContractFailure(
+                did=f"it was asked about {title}",
+                got=described(value),
+                expected="a real number: an int or a float, Python's or numpy's",
+                fix="return float(...); count what is true as 1.0",
+            )
         if not (math.isfinite(number) and low - slack <= number <= high + slack):
             raise ContractFailure(
                 did=f"it was asked about {title}",
@@ -247,7 +252,7 @@ def _expects_a_share(subject: Subject) -> None:
             traits.expected_share(given)
         except UsageError:
             continue  # its parameters do not go together, and it says so
-        except Exception as error:  # a stranger's objective may raise anything
+        except FAULTS as error:
             said = format_call("", parameters=given.items()) or "no parameters"
             raise ContractFailure(
                 did=f"the share that it expects was asked for, given {said}",
@@ -270,7 +275,7 @@ def _is_the_mean_it_says(subject: Subject) -> None:
             averaged = target.traits.averaged_field(given)
         except UsageError:
             continue  # its parameters do not go together, and it says so
-        except Exception as error:  # a stranger's objective may raise anything
+        except FAULTS as error:
             said = format_call("", parameters=given.items()) or "no parameters"
             raise ContractFailure(
                 did=f"it was asked which field it is the mean of, given {said}",

@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from moseg_core.components.discovery.registry import describe
+from moseg_core.components.faults import FAULTS, describe
 from moseg_core.testing.check import ContractFailure, Subject, check
 from moseg_core.testing.fixtures.comparison import (
     Answers,
@@ -58,7 +58,7 @@ def _pickles(subject: Subject) -> None:
     def packed(made: Any) -> Any:
         try:
             return pickle.loads(pickle.dumps(made))
-        except Exception as error:
+        except FAULTS as error:
             raise ContractFailure(
                 did=f"the {type(made).__name__} was pickled and unpickled",
                 got=describe(error),

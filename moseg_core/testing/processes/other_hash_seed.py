@@ -21,7 +21,7 @@ import sys
 import threading
 from multiprocessing.connection import Connection, Pipe
 
-from moseg_core.components.discovery.registry import describe
+from moseg_core.components.faults import FAULTS, describe
 from moseg_core.testing.check import Subject
 from moseg_core.testing.fixtures.comparison import Answers
 
@@ -126,5 +126,5 @@ def _answer(request: bytes) -> tuple[Answers, str]:
     try:
         component, registry = pickle.loads(request)
         return drive(Subject(component=component, registry=registry)), ""
-    except (Exception, SystemExit) as error:  # noqa: BLE001  # a stranger's component
+    except FAULTS as error:
         return {}, describe(error)

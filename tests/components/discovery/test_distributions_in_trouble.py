@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -51,11 +52,26 @@ MOODY = """
         return math.nan if next(calls) > 15 else float(part.scales[1] / part.scales[0])
 
     @objective(range=(0, 1))
+    def leaving(part: Part) -> float:
+        if next(calls) > 15:
+            raise SystemExit(0)
+        return float(part.scales[1] / part.scales[0])
+
+    @objective(range=(0, 1))
+    def crashing(part: Part) -> float:
+        if next(calls) > 15:
+            os.abort()
+        return float(part.scales[1] / part.scales[0])
+
+    @objective(range=(0, 1))
     def sleepy(part: Part) -> float:
         while not os.path.exists(os.environ["WAKE"]):
             time.sleep(0.01)
         return 0.5
 """
+
+
+MOODS = ("slender", "grumpy", "dizzy", "leaving", "crashing", "sleepy")
 
 
 def add(site, distribution, version, namespace, names, *, contract=1, module="moody"):
@@ -68,7 +84,7 @@ def add(site, distribution, version, namespace, names, *, contract=1, module="mo
 def folder(tmp_path_factory) -> Path:
     """Two rivals for one namespace, a bundle of the future, and one of moody objectives."""
     site = Site(tmp_path_factory.mktemp("site"))
-    add(site, "moseg-acme", "1.4.0", "acme", ["slender", "grumpy", "dizzy", "sleepy"])
+    add(site, "moseg-acme", "1.4.0", "acme", [*MOODS])
     add(site, "moseg-vessels", "1.0", "vessels", ["slender"])
     add(site, "angio-tools", "0.3", "vessels", ["slender"])
     add(site, "moseg-future", "8.0", "future", ["slender"], contract=9)
@@ -179,8 +195,9 @@ def test_a_distribution_that_is_there_twice_is_listed_once_with_a_note(moseg, fo
 @pytest.mark.parametrize(
     ("name", "what"),
     [
-        ("grumpy", r"failed in 'grumpy(bar)' for bar: ValueError: not today"),
-        ("dizzy", r"returned nan in 'dizzy(bar)' for bar; values must be finite"),
+        ("grumpy", r"failed in 'grumpy\(bar\)' for bar: ValueError: not today \(\S*:\d+: .*\)"),
+        ("leaving", r"failed in 'leaving\(bar\)' for bar: SystemExit: 0 \(\S*:\d+: .*\)"),
+        ("dizzy", r"returned nan in 'dizzy\(bar\)' for bar; values must be finite"),
     ],
 )
 @pytest.mark.parametrize("workers", ["1", "2"])
@@ -190,9 +207,10 @@ def test_the_best_so_far_is_written_and_the_failure_told(
     out = tmp_path / "tee.json"
     options = ("--restarts", "2", "--workers", workers, "-o", out)
     done = moseg(*segmenting(folder, f"slender(stem) + {name}(bar)", *options), code=1)
-    assert done.stderr.splitlines()[-1] == (
-        f"moseg: objective 'acme:{name}' of moseg-acme 1.4.0 {what}; report it to its authors,"
-        " or do without it"
+    assert re.fullmatch(
+        rf"moseg: objective 'acme:{name}' of moseg-acme 1\.4\.0 {what}; report it to its authors,"
+        " or do without it",
+        done.stderr.splitlines()[-1],
     )
     assert f"; wrote {out}" in done.stderr
     assert "moseg: warning: the run failed; this is the best that it had found" in done.stderr
@@ -200,6 +218,16 @@ def test_the_best_so_far_is_written_and_the_failure_told(
     assert saved["reason"] == "failed"
     assert len(saved["labels"]) == load(folder / "tee.off").n_elements
     assert read_result(out).names == ("stem", "bar")
+
+
+def test_a_crash_in_a_worker_process_names_the_component(moseg, folder, tmp_path):
+    out = tmp_path / "tee.json"
+    options = ("--restarts", "2", "--workers", "2", "-o", out)
+    done = moseg(*segmenting(folder, "slender(stem) + crashing(bar)", *options), code=1)
+    assert (
+        "moseg: a worker process ended early (signal 6) while objective 'acme:crashing' of"
+        " moseg-acme 1.4.0 in 'crashing(bar)' for bar was at work"
+    ) in done.stderr
 
 
 def test_nothing_is_printed_of_a_failed_run_that_no_file_was_wanted_of(moseg, folder):

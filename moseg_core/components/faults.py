@@ -1,0 +1,93 @@
+"""What a component may raise, and how that is told: in one line, with the author's own line.
+
+Components are strangers' code. Whoever calls one catches :data:`FAULTS`, says which component it
+was, and raises a :class:`~moseg_core.errors.PluginError` from what was caught. The line that the
+user then reads ends with :func:`describe`: kind, message, and the innermost line of the author's
+own package, which is where the author begins to look. Deeper frames are of the libraries that the
+line called, and frames above it are of the core.
+
+:class:`~moseg_core.components.discovery.registry.Component` guards most calls; terms, constraints
+and partitions have words of their own.
+"""
+
+from __future__ import annotations
+
+import linecache
+import os
+import sys
+import traceback
+from types import FrameType
+
+from moseg_core.errors import MosegError
+
+FAULTS: tuple[type[BaseException], ...] = (Exception, SystemExit)
+"""What a component's call is guarded against: ``sys.exit()`` too, but not Ctrl-C."""
+
+#: Packages whose frames are nobody's fault: the core, Python, and what the core stands on.
+_BYSTANDERS = {"moseg_core", "pluggy", "numpy", "scipy", "numba"} | set(sys.stdlib_module_names)
+
+#: Characters of a source line that are shown.
+_LONGEST = 80
+
+
+def summary(error: BaseException) -> str:
+    r"""Kind and message of an error, in one line.
+
+    Examples
+    --------
+    >>> summary(ValueError("not\n  today"))
+    'ValueError: not today'
+    """
+    text = " ".join(str(error).split())
+    return f"{type(error).__name__}: {text}" if text else type(error).__name__
+
+
+def place(error: BaseException) -> str:
+    """File, line and source line where the author's code was when an error was raised.
+
+    The author is whose package comes first below the core's frames; of its frames the innermost
+    is meant. Empty where there is none, as for an import that fails, and for moseg's own errors,
+    which say themselves what is wrong.
+
+    Examples
+    --------
+    >>> place(ValueError("never raised"))
+    ''
+    """
+    if isinstance(error, MosegError):
+        return ""
+    author, found = "", None
+    for frame, number in traceback.walk_tb(error.__traceback__):
+        package = _package(frame)
+        if package not in _BYSTANDERS and package == (author or package):
+            author, found = package, (frame, number)
+    if found is None:
+        return ""
+    frame, number = found
+    file = frame.f_code.co_filename
+    line = " ".join(linecache.getline(file, number, frame.f_globals).split())
+    shown = line if len(line) <= _LONGEST else f"{line[: _LONGEST - 3]}..."
+    return f"{_shortest(file)}:{number}" + (f': "{shown}"' if shown else "")
+
+
+def describe(error: BaseException) -> str:
+    """Kind and message of an error and the :func:`place` of it, in one line.
+
+    Examples
+    --------
+    >>> describe(ValueError("never raised"))
+    'ValueError: never raised'
+    """
+    where = place(error)
+    return f"{summary(error)} ({where})" if where else summary(error)
+
+
+def _package(frame: FrameType) -> str:
+    """The outermost package of the module that a frame is of."""
+    return str(frame.f_globals.get("__name__", "")).partition(".")[0]
+
+
+def _shortest(file: str) -> str:
+    """A file as seen from the working directory where it is below that; else in full."""
+    here = os.path.join(os.getcwd(), "")
+    return file.removeprefix(here)
