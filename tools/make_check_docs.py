@@ -37,6 +37,8 @@ KINDS: dict[Kind, str] = {
     "constraint": "Constraints",
     "embedding": "Embeddings",
     "learner": "Learners",
+    "reader": "Readers",
+    "writer": "Writers",
 }
 
 INTRODUCTION = """\

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from moseg_core.components.discovery.hookspecs import hookimpl
 from moseg_core.components.discovery.specs import (
     LabelerSpec,
@@ -107,7 +109,7 @@ def moseg_refiners() -> list[RefinerSpec]:
 @hookimpl
 def moseg_readers() -> list[ReaderSpec]:
     """Polygon meshes, point clouds, voxel grids."""
-    return [
+    readers = [
         ReaderSpec(name="off", target="moseg_core.io.read.off:read_off", suffixes=(".off",)),
         ReaderSpec(name="ply", target="moseg_core.io.read.ply:read_ply", suffixes=(".ply",)),
         ReaderSpec(name="obj", target="moseg_core.io.read.obj:read_obj", suffixes=(".obj",)),
@@ -127,6 +129,8 @@ def moseg_readers() -> list[ReaderSpec]:
             name="binvox", target="moseg_core.io.read.grids:read_binvox", suffixes=(".binvox",)
         ),
     ]
+    example = "moseg_core.io.read.examples:example"
+    return [replace(reader, example=example) for reader in readers]
 
 
 @hookimpl

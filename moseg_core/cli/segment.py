@@ -26,7 +26,7 @@ from moseg_core.cli.request import (
 )
 from moseg_core.clipping.clip import check_clippable
 from moseg_core.errors import MosegError, UsageError
-from moseg_core.io.files import check_output, save
+from moseg_core.io.files import check_output, files_of, write_files
 from moseg_core.io.result_json import SavedResult, evaluation_document
 from moseg_core.io.write.formats import check_writable
 from moseg_core.problem.label_sets import set_text
@@ -143,21 +143,46 @@ def run_segment(
     if clipped:
         result = clip(result)
         message(_clipping_summary(result), quiet=quiet)
-    for output in outputs:
-        save(result, output)
+    written, failures = _save(result, outputs, path)
     free, whole = result.dimension
     if free < whole:
         message(f"constraints leave {free} of {whole} dimensions to search", quiet=quiet)
-    written = f"; wrote {', '.join(str(output) for output in outputs)}" if outputs else ""
-    message(f"{time.monotonic() - started:.1f} s{written}", quiet=quiet)
+    wrote = f"; wrote {', '.join(map(str, written))}" if written else ""
+    message(f"{time.monotonic() - started:.1f} s{wrote}", quiet=quiet)
     if as_json:
         print_json(_summary(result))
     elif not quiet:
         _print_tables(result)
-    if failure is not None:
-        raise failure
+    failures += [] if failure is None else [failure]
+    for untold in failures[:-1]:
+        message(str(untold))
+    if failures:
+        raise failures[-1]
     if result.reason == "interrupted":
         raise stop.ended()
+
+
+def _save(
+    result: Result, outputs: Sequence[Path], shape: Path
+) -> tuple[list[Path], list[MosegError]]:
+    """Write each output; what was written, and what went wrong with the others.
+
+    A search may have taken hours: a writer that fails must not take the other files along.
+    """
+    written: list[Path] = []
+    failures: list[MosegError] = []
+    for output in outputs:
+        try:
+            files = files_of(result, output)
+            for file in files:
+                if file.exists() and shape.exists() and file.samefile(shape):
+                    raise UsageError(f"'{output}' comes with '{file}', which is the shape itself")
+            write_files(files)
+        except MosegError as error:
+            failures.append(error)
+        else:
+            written += files
+    return written, failures
 
 
 def _steered(

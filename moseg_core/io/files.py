@@ -1,20 +1,26 @@
 """Reading shapes and writing results, by suffix; the only place that writes shapes and results.
 
 Readers and writers are components (:mod:`moseg_core.components.discovery.specs`), so that a bundle
-can add formats. A file is written beside its destination and renamed when it is whole: a run that
-dies leaves either the old file or none.
+can add formats. A writer makes bytes and touches no disk; a format of several files (a mesh with
+its materials) makes several, beside the one that was asked for or below. A file is written aside
+and renamed when it is whole: a run that dies leaves either the old file or none.
 """
 
 from __future__ import annotations
 
 import os
 import tempfile
+from collections.abc import Mapping
 from pathlib import Path
 
 from moseg_core.components.discovery.registry import Component, Registry, registry
-from moseg_core.errors import MosegError, PluginError, ShapeError, UsageError
+from moseg_core.components.parameters import takes
+from moseg_core.errors import REPORT, MosegError, PluginError, ShapeError, UsageError
 from moseg_core.search.result import Result
 from moseg_core.shape.shape import Shape
+
+#: Characters that lead elsewhere on some system, or into no file: drives, streams, other slashes.
+_NOT_IN_NAMES = {"\\", ":", *map(chr, range(32))}
 
 
 def load(path: str | os.PathLike[str], *, source: Registry | None = None) -> Shape:
@@ -88,17 +94,83 @@ def save(result: Result, path: str | os.PathLike[str], *, source: Registry | Non
     --------
     >>> moseg.save(result, "hammer.glb")  # doctest: +SKIP
     """
-    path = Path(path)
+    write_files(files_of(result, Path(path), source=source))
+
+
+def files_of(result: Result, path: Path, *, source: Registry | None = None) -> dict[Path, bytes]:
+    """What the writer of a path makes of a result: each file with its contents, nothing written.
+
+    Parameters
+    ----------
+    result : Result
+    path : Path
+        The file that was asked for; the others are in its folder, or in folders below.
+    source : Registry, optional
+        Where to look for writers.
+
+    Raises
+    ------
+    UsageError
+        No writer for the suffix, or no such folder.
+    PluginError
+        The writer fails, or what it returns is neither bytes nor files for that folder.
+    """
     component = check_output(path, source=source)
     write = component.load()
     with component.guard():
-        data = write(result)
-    if not isinstance(data, bytes):
+        made = write(result, name=path.name) if takes(write, "name") else write(result)
+    if isinstance(made, bytes):
+        return {path: made}
+    if not isinstance(made, Mapping):
+        hint = "; encode the text" if isinstance(made, str) else ""
         raise PluginError(
-            f"writer '{component.id}' of {component.distribution} returned a"
-            f" {type(data).__name__}, not bytes"
+            f"{component.who} returned a {type(made).__name__}, not bytes{hint}; {REPORT}"
         )
-    write_file(path, data)
+    for name, data in made.items():
+        if wrong := _wrong_name(name, path) or ("" if isinstance(data, bytes) else "no bytes"):
+            raise PluginError(
+                f"{component.who} returned {wrong} for the file {name!r:.80}; names are relative,"
+                f" of files in the folder of '{path.name}', and their contents bytes; {REPORT}"
+            )
+    if path.name not in made:
+        raise PluginError(
+            f"{component.who} returned the files {', '.join(sorted(made)) or 'none'}, but not"
+            f" '{path.name}', which was asked for; a writer that takes 'name' by keyword is told;"
+            f" {REPORT}"
+        )
+    # The one that was asked for comes last: where it is, the others are.
+    others = {path.parent / name: data for name, data in made.items() if name != path.name}
+    return {**others, path: made[path.name]}
+
+
+def write_files(files: Mapping[Path, bytes]) -> None:
+    """Write several files, each whole or not at all, in order; folders are made where they lack.
+
+    Raises
+    ------
+    MosegError
+        The disk is full, or a folder not writable.
+    """
+    for file, data in files.items():
+        try:
+            file.parent.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise MosegError(f"cannot write '{file}': {error.strerror}") from error
+        write_file(file, data)
+
+
+def _wrong_name(name: object, path: Path) -> str:
+    """What is wrong with the name of a file that is to be beside a path; empty for nothing."""
+    if not isinstance(name, str):
+        return "no name"
+    parts = name.split("/")
+    if any(part in ("", ".", "..") for part in parts) or set(name) & _NOT_IN_NAMES:
+        return "a name that is not relative or not safe"
+    # A folder that is a link elsewhere would take the file along.
+    folder = path.parent.resolve()
+    if not (folder / name).parent.resolve().is_relative_to(folder):
+        return "a place outside of the folder"
+    return "the name of a folder" if (folder / name).is_dir() else ""
 
 
 def check_output(path: Path, *, source: Registry | None = None) -> Component:

@@ -35,6 +35,7 @@ _MODULES = (
     "constraints",
     "embeddings",
     "learners",
+    "formats",
 )
 
 

@@ -222,3 +222,32 @@ def test_a_full_disk_or_read_only_folder_is_a_failure(moseg, mallet, tmp_path, m
     assert run.code == 1
     assert "No space left on device" in run.err
     assert not Path(tmp_path / "a.json").exists()
+
+
+def test_a_writer_that_fails_is_named_and_the_other_outputs_are_written(
+    moseg, mallet, tmp_path, monkeypatch
+):
+    monkeypatch.setattr("moseg_core.io.write.formats.write_seg", lambda result: "0\n1\n")
+    outputs = [tmp_path / f"m.{suffix}" for suffix in ("json", "seg", "ply")]
+    words = [word for output in outputs for word in ("-o", output)]
+    run = moseg("segment", mallet, "--recipe", "paper_hammer", *words)
+    assert run.code == 1
+    assert "total" in run.out
+    assert f"wrote {outputs[0]}, {outputs[2]}" in run.err
+    last = run.err.splitlines()[-1]
+    assert last.startswith("moseg: writer 'core:seg' of moseg-core 0.1.0 returned a str, not bytes")
+    assert [output.exists() for output in outputs] == [True, False, True]
+
+
+def test_no_file_of_a_writer_replaces_the_shape(moseg, mallet, tmp_path, monkeypatch):
+    def write(result, *, name):
+        return {name: b"", mallet.name: b""}
+
+    monkeypatch.setattr("moseg_core.io.write.formats.write_seg", write)
+    before = mallet.read_bytes()
+    out = mallet.parent / "m.seg"
+    run = moseg("segment", mallet, "--recipe", "paper_hammer", "-o", out)
+    assert run.code == 2
+    assert f"'{out}' comes with '{mallet}', which is the shape itself" in run.err
+    assert mallet.read_bytes() == before
+    assert not out.exists()

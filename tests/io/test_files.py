@@ -14,7 +14,7 @@ import moseg_core
 from moseg_core.components.discovery.registry import Bundle, Component, Registry, registry
 from moseg_core.components.discovery.specs import ReaderSpec, WriterSpec
 from moseg_core.errors import MosegError, PluginError, ShapeError, UsageError
-from moseg_core.io.files import check_destination, check_output, load, save, write_file
+from moseg_core.io.files import check_destination, check_output, files_of, load, save, write_file
 from moseg_core.io.result_json import read_result
 from tests.results import result_on
 
@@ -92,6 +92,67 @@ def test_a_writer_gets_the_result_and_gives_the_bytes(acme, tmp_path, box):
     with pytest.raises(PluginError, match=r"writer 'acme:tee' .* returned a str, not bytes"):
         save(result, tmp_path / "y.tee", source=acme(tee=lambda given: "text"))
     assert os.listdir(tmp_path) == ["x.tee"]
+
+
+def test_a_writer_that_takes_a_name_may_return_several_files(acme, tmp_path, box):
+    def write(result, *, name):
+        stem = name.removesuffix(".tee")
+        return {name: b"mesh", f"{stem}.mtl": b"materials", "maps/skin.png": b"skin"}
+
+    result, source = result_on(box), acme(tee=write)
+    assert files_of(result, tmp_path / "x.tee", source=source) == {
+        tmp_path / "x.mtl": b"materials",
+        tmp_path / "maps" / "skin.png": b"skin",
+        tmp_path / "x.tee": b"mesh",
+    }
+    assert os.listdir(tmp_path) == []
+    save(result, tmp_path / "x.tee", source=source)
+    assert sorted(os.listdir(tmp_path)) == ["maps", "x.mtl", "x.tee"]
+    assert (tmp_path / "maps" / "skin.png").read_bytes() == b"skin"
+
+
+@pytest.mark.parametrize(
+    ("name", "says"),
+    [
+        ("/etc/x", "a name that is not relative or not safe"),
+        ("../x", "a name that is not relative or not safe"),
+        ("maps/../../x", "a name that is not relative or not safe"),
+        ("./x", "a name that is not relative or not safe"),
+        ("", "a name that is not relative or not safe"),
+        ("maps/", "a name that is not relative or not safe"),
+        ("C:x", "a name that is not relative or not safe"),
+        ("..\\x", "a name that is not relative or not safe"),
+        ("x\n", "a name that is not relative or not safe"),
+        (3, "no name"),
+        ("elsewhere/x", "a place outside of the folder"),
+        ("folder", "the name of a folder"),
+    ],
+)
+def test_files_stay_in_the_folder_that_was_named(acme, tmp_path, box, name, says):
+    out = tmp_path / "out"
+    (out / "folder").mkdir(parents=True)
+    (tmp_path / "other").mkdir()
+    (out / "elsewhere").symlink_to(tmp_path / "other")
+    source = acme(tee=lambda given: {"x.tee": b"", name: b""})
+    with pytest.raises(PluginError, match=f"writer 'acme:tee' of moseg-acme 1.4 returned {says}"):
+        save(result_on(box), out / "x.tee", source=source)
+    assert sorted(os.listdir(out)) == ["elsewhere", "folder"]
+
+
+@pytest.mark.parametrize(
+    ("made", "says"),
+    [
+        ({"x.tee": "text"}, "returned no bytes for the file 'x.tee'"),
+        ({}, "returned the files none, but not 'x.tee'"),
+        ({"y.tee": b""}, "returned the files y.tee, but not 'x.tee'.*takes 'name' by keyword"),
+        ([b""], "returned a list, not bytes;"),
+        (None, "returned a NoneType, not bytes;"),
+    ],
+)
+def test_what_is_not_files_is_not_written(acme, tmp_path, box, made, says):
+    with pytest.raises(PluginError, match=says):
+        save(result_on(box), tmp_path / "x.tee", source=acme(tee=lambda given: made))
+    assert os.listdir(tmp_path) == []
 
 
 def test_a_destination_is_checked_before_the_search(tmp_path):

@@ -48,14 +48,14 @@ def leave(_):
         (
             crash,
             "failed",
-            "it raised ZeroDivisionError: by nothing (tests/testing/test_run.py:34:"
+            "it raised ZeroDivisionError: by nothing (tests/testing/test_run.py:35:"
             ' "raise ZeroDivisionError("by nothing")")',
             "",
         ),
         (
             leave,
             "failed",
-            'it raised SystemExit: 3 (tests/testing/test_run.py:38: "sys.exit(3)")',
+            'it raised SystemExit: 3 (tests/testing/test_run.py:39: "sys.exit(3)")',
             "",
         ),
     ],

@@ -251,20 +251,33 @@ class ReaderSpec(Spec):
     ----------
     suffixes : tuple of str
         Lower case, with the dot: ``(".off",)``.
+    example : str, optional
+        ``"package.module:name"`` of a function of one of the suffixes that returns the contents
+        of a small file, as bytes, or None: what the contract kit tries the reader on.
     """
 
     kind = "reader"
 
     suffixes: tuple[str, ...]
+    example: str = ""
 
     def __post_init__(self) -> None:
         super().__post_init__()
         _check_suffixes(self.suffixes, self)
+        if self.example and not TARGET.match(self.example):
+            raise ValueError(
+                f"example {self.example!r} of reader '{self.name}' is not of the form"
+                f" 'package.module:name'"
+            )
 
 
 @dataclass(frozen=True, kw_only=True)
 class WriterSpec(Spec):
     """A file format for results: target is a function of a Result that returns bytes.
+
+    A format of several files returns a mapping of names to bytes instead. The names are those of
+    files beside, or in folders below, the one that was asked for; that one is among them. A
+    writer that takes ``name`` by keyword is told what it is called: ``"horse.obj"``.
 
     Parameters
     ----------

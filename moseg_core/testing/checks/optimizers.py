@@ -117,6 +117,23 @@ def _budget(subject: Subject) -> None:
             )
 
 
+@check("optimizer-ends", kinds=["optimizer"])
+def _ends(subject: Subject) -> None:
+    """While no element changes its part, costs are the same, and nobody else ends the search."""
+    for toy, name in ((toys.plateau, "a plateau"), (toys.stairs, "stairs")):
+        search, batches, count = _made(subject), 0, 0
+        for batch, _ in toys.steps(search, toy, most=toys.PATIENCE):
+            batches, count = batches + 1, count + len(batch.vectors)
+        if not search.finished:
+            raise ContractFailure(
+                did=f"it searched {name} in four dimensions, where costs are constant but for steps",
+                got=f"no end after {count} evaluations in {batches} batches",
+                expected=f"'finished' within {toys.PATIENCE} evaluations",
+                fix="end when the best has not become better for so many batches, or the step is"
+                " small, whatever the costs are; or take max_evaluations with a default",
+            )
+
+
 @check("optimizer-best", kinds=["optimizer"])
 def _best(subject: Subject) -> None:
     """What it has found once must not be lost; the result is its best."""

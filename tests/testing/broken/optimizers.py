@@ -17,6 +17,7 @@ _NAMES = {
     "optimizer-tell": "TakesWhatComes",
     "optimizer-in-bounds": "LeavesTheBounds",
     "optimizer-budget": "WholePolls",
+    "optimizer-ends": "WaitsForABetterOne",
     "optimizer-best": "ComparesValuesOnly",
     "optimizer-survives-nan": "TakesNaNForGood",
     "optimizer-resume": "ForgetsItsStep",
@@ -78,6 +79,17 @@ class LeavesTheBounds(Search):
     def _neighbors(self):
         steps = np.diag(self._step * self._scale)
         return self._current + np.stack([steps, -steps], axis=1).reshape(-1, len(steps))
+
+
+class WaitsForABetterOne(Search):
+    """On a plateau it begins again with the first step, for ever."""
+
+    def tell(self, costs):
+        super().tell(costs)
+        flat = len({record["value"] for record in self._history}) == 1
+        if self._finished == "converged" and flat:
+            self._step = self._first_step
+            self._finished = "" if len(self._neighbors()) else "converged"
 
 
 class WholePolls(Search):
