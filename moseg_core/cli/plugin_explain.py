@@ -16,7 +16,7 @@ from moseg_core import language
 from moseg_core.cli.console import console, print_json
 from moseg_core.cli.recipes import read_shipped
 from moseg_core.components.discovery.registry import Component, registry
-from moseg_core.components.discovery.specs import FieldSpec, Spec
+from moseg_core.components.discovery.specs import FieldSpec, MeasureSpec, ParameterizationSpec, Spec
 from moseg_core.components.explanation import (
     Explained,
     bounds,
@@ -139,6 +139,8 @@ def _facts(explained: Explained) -> dict[str, str]:
             "unchanged by": ", ".join(component.spec.invariant_to) or "nothing is declared",
             "to see it": f"moseg field SHAPE {component.id} -o picture.png",
         }
+    if isinstance(component.spec, (MeasureSpec, ParameterizationSpec)):
+        facts["needs"] = ", ".join(component.spec.requires) or "nothing of the shape"
     suffixes = getattr(component.spec, "suffixes", ())
     if suffixes:
         facts["files"] = " ".join(suffixes)
@@ -207,7 +209,9 @@ def _plain(value: Any) -> Any:
 
 
 def _of_field(spec: Spec) -> dict[str, Any]:
-    """What a spec says of a field; nothing of another component."""
+    """What a spec says of a field, or requires of a shape; nothing of another component."""
+    if isinstance(spec, (MeasureSpec, ParameterizationSpec)):
+        return {"requires": list(spec.requires)}
     if not isinstance(spec, FieldSpec):
         return {}
     return {"requires": list(spec.requires), "invariant_to": list(spec.invariant_to)}

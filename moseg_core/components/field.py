@@ -25,8 +25,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from moseg_core.components.discovery.lookup import FoundField, Lookup
-from moseg_core.components.requirements import lack
-from moseg_core.errors import REPORT, PluginError, ShapeError
+from moseg_core.components.requirements import demand
+from moseg_core.errors import REPORT, PluginError
 from moseg_core.language import Table
 from moseg_core.shape.shape import Shape
 from moseg_core.types import FloatArray, frozen
@@ -182,10 +182,7 @@ def _values(shape: Shape, found: FoundField, parameters: Mapping[str, Any]) -> F
     own = own if own.original is None else own.original
     key = ("field", *field_key(found, parameters))
     if key not in own.made_from:
-        for requirement in found.requires:
-            missing = lack(own, requirement)
-            if missing is not None:
-                raise ShapeError(f"field '{found.id}' needs {missing}")
+        demand(own, found.requires, f"field '{found.id}'")
         values = found.function(own, **parameters)
         try:
             array = np.array(values, dtype=np.float64)

@@ -79,6 +79,9 @@ class Traits:
         Ids of the fields that the objective reads, or a function from the parameters that a call
         gives to those; they are computed before the search. The function may raise a
         :class:`~moseg_core.UsageError` of parameters that do not fit.
+    measures : tuple of str
+        Ids of the measures that the objective takes; what these require of a shape it requires
+        too.
     share : callable or None
         From the parameters that a call gives, without defaults, to the share of the whole area,
         above 0 and at most 1, that each of its parts has where the value is low; None where they
@@ -101,6 +104,7 @@ class Traits:
     least: int = 1
     most: int | None = None
     fields: tuple[str, ...] | FieldNames = ()
+    measures: tuple[str, ...] = ()
     share: ShareOf | None = None
     mean_of: MeanOf | None = None
     details: DetailsOf | None = None
@@ -229,6 +233,7 @@ def objective(
     cost: CostClass = "cheap",
     least: int | None = None,
     fields: Sequence[str] | FieldNames = (),
+    measures: Sequence[str] = (),
     share: ShareOf | None = None,
     mean_of: MeanOf | None = None,
     details: DetailsOf | None = None,
@@ -246,6 +251,9 @@ def objective(
         parameters that a call gives to those. Fields are computed once per shape; those that are
         declared before the search, so that a shape on which that fails is refused at once, and
         processes share them.
+    measures : sequence of str
+        Ids of the measures that the objective takes and that require something of the shape
+        (``"vessels:bore"``): a shape that lacks it is then refused before the search.
     share : callable, optional
         Where the objective knows which share of the whole area its parts should have: a function
         from the parameters that a call gives to that share, above 0 and at most 1, or to None.
@@ -269,7 +277,8 @@ def objective(
         The first argument's annotation is none of Part, Sequence[Part] and Segmentation.
     ValueError
         A range whose ends are in the wrong order; an unknown requirement, invariance or cost; a
-        share, mean or details that are no function; the mean of a field for several parts.
+        share, mean or details that are no function; measures that are no texts; the mean of a field
+        for several parts.
 
     Examples
     --------
@@ -289,6 +298,8 @@ def objective(
     ):
         if isinstance(given, str) or not set(given) <= set(allowed):
             raise ValueError(f"an objective's {what} is of {', '.join(allowed)}; not {given!r}")
+    if isinstance(measures, str) or not all(isinstance(name, str) for name in measures):
+        raise ValueError(f"an objective's measures are ids in a tuple, not {measures!r}")
     if share is not None and not callable(share):
         raise ValueError(f"an objective's share is a function of its parameters, not {share!r}")
 
@@ -312,6 +323,7 @@ def objective(
             least=count if count is not None else (2 if least is None else least),
             most=count,
             fields=fields if callable(fields) else tuple(fields),
+            measures=tuple(measures),
             share=share,
             mean_of=mean_of,
             details=_spreading(details) if spread and details is not None else details,

@@ -28,6 +28,7 @@ from moseg_core.components.discovery.lookup import Lookup
 from moseg_core.components.field import FieldSummary
 from moseg_core.components.memo import Memo
 from moseg_core.components.part_tables import PartTables, pair_of_one_labelling
+from moseg_core.components.requirements import demand
 from moseg_core.errors import MosegError
 from moseg_core.shape.adjacency import ranges
 from moseg_core.shape.shape import Shape
@@ -216,6 +217,8 @@ class Part:
 
         Raises
         ------
+        ShapeError
+            The shape lacks what the measure requires.
         PluginError
             The measure's bundle is missing or broken.
         UsageError
@@ -225,6 +228,7 @@ class Part:
         key = (found.id, tuple(sorted(parameters.items())))
         own = self._own_measures
         if key not in own:
+            demand(self.shape, found.requires, f"measure '{found.id}'")
             if found.keep:
                 whole = (self.membership, *self.level.key, *key)
                 own[key] = self.memo.get(whole, lambda: _shared(found.function(self, **parameters)))

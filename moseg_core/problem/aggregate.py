@@ -18,6 +18,7 @@ from moseg_core.components.cost import Cost
 from moseg_core.components.detail import Detail
 from moseg_core.components.faults import FAULTS, describe
 from moseg_core.components.real_number import described, real_number
+from moseg_core.components.requirements import LackError
 from moseg_core.components.segmentation import Segmentation
 from moseg_core.errors import REPORT, PluginError, UsageError
 from moseg_core.problem.binding import BoundTerm
@@ -246,6 +247,8 @@ def _computed(
             returned = term.objective(subject, **term.parameters)
     except UsageError as error:  # it says what is wrong with its parameters
         raise UsageError(f"in {_where(term, call, labels)}: {error}") from error
+    except LackError as error:  # what a measure or field requires that was not declared
+        raise LackError(f"in {_where(term, call, labels)}: {error}") from error
     except PluginError as error:  # it names another component, such as a measure
         raise PluginError(f"in {_where(term, call, labels)}: {error}") from error
     except FAULTS as error:

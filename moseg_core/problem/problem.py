@@ -25,7 +25,7 @@ from moseg_core.components.discovery.registry import Registry, registry
 from moseg_core.components.memo import Memo
 from moseg_core.components.objectives import objective
 from moseg_core.components.protocols import Objective, Parameterization
-from moseg_core.components.requirements import lack
+from moseg_core.components.requirements import demand
 from moseg_core.components.segmentation import Segmentation
 from moseg_core.errors import REPORT, PluginError, ShapeError, UsageError, unknown
 from moseg_core.language import Expression, parse
@@ -327,16 +327,12 @@ class Problem:
             )
         lookup = Lookup(self.registry)
         for term in self.terms:
-            seen = shape.in_space(term.space)
-            for requirement in sorted(term.objective.traits.requires):
-                missing = lack(seen, requirement)
-                if missing is not None:
-                    raise ShapeError(f"'{term.term.name}' needs {missing}")
+            who, seen = f"'{term.term.name}'", shape.in_space(term.space)
+            demand(seen, term.objective.traits.requires, who)
+            for name in term.objective.traits.measures:
+                demand(seen, lookup.measure(name).requires, who)
             for name in term.fields:
-                for requirement in lookup.field(name).requires:
-                    missing = lack(shape.in_space(ORIGINAL), requirement)
-                    if missing is not None:
-                        raise ShapeError(f"'{term.term.name}' needs {missing}")
+                demand(shape.in_space(ORIGINAL), lookup.field(name).requires, who)
 
     def evaluate(
         self, shape: Shape, labels: npt.ArrayLike, *, memo: Memo | None = None

@@ -12,15 +12,17 @@ Checking labels is one pass over them, less than a thousandth of what a poll tak
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
 from moseg_core.components.at_work import at_work
 from moseg_core.components.chosen import PreparedComponent
+from moseg_core.components.discovery.specs import ParameterizationSpec
 from moseg_core.components.faults import FAULTS, describe
 from moseg_core.components.parameters import PROVIDED, takes
 from moseg_core.components.protocols import Centers, Parameterization
+from moseg_core.components.requirements import demand
 from moseg_core.errors import REPORT, MosegError, PluginError
 from moseg_core.problem.problem import Problem
 from moseg_core.shape.shape import Shape
@@ -309,9 +311,18 @@ def make_partition(
 
     Raises
     ------
+    ShapeError
+        The shape lacks what it requires.
     PluginError
         It cannot be made, has other parts than asked for, or impossible bounds.
     """
+    spec = cast(ParameterizationSpec, ready.component.spec)
+    demand(
+        shape.input,
+        spec.requires,
+        f"parameterization '{ready.component.id}'",
+        instead="choose another parameterization",
+    )
     n_parts = len(problem.labels)
     told = {
         name: getattr(problem, name)

@@ -268,6 +268,8 @@ def test_a_range_goes_from_low_to_high(ends):
         {"invariant_to": ("rotation",)},
         {"invariant_to": "rigid"},
         {"cost": "cheep"},
+        {"measures": "vessels:bore"},
+        {"measures": (3,)},
     ],
     ids=str,
 )

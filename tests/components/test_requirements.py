@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from moseg_core.components.requirements import lack
+from moseg_core.components.requirements import LackError, demand, lack
 from moseg_core.shape.shape import Shape
 
 OPEN = Shape.from_mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]], name="leaf")
@@ -38,3 +38,11 @@ def test_what_is_lacking_comes_with_advice(shape, requirement, advice):
 )
 def test_nothing_is_said_where_nothing_lacks(shape, requirement):
     assert lack(shape, requirement) is None
+
+
+def test_what_else_to_do_is_said_by_who_demands():
+    with pytest.raises(
+        LackError, match="^glue needs to know which.*; use less or take the nearest"
+    ):
+        demand(CLOUD, ("adjacency",), "glue", instead="use less")
+    demand(BLOCK, ("volume", "adjacency"), "glue")

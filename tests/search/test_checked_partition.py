@@ -13,7 +13,7 @@ from moseg_core.builtin.voronoi import Voronoi
 from moseg_core.components.objectives import objective
 from moseg_core.components.part import Part
 from moseg_core.components.protocols import Centers, Parameterization
-from moseg_core.errors import PluginError, UsageError
+from moseg_core.errors import PluginError, ShapeError, UsageError
 from moseg_core.problem.problem import Problem
 from moseg_core.search.checked_partition import (
     CheckedParameterization,
@@ -23,6 +23,7 @@ from moseg_core.search.checked_partition import (
 from moseg_core.search.evaluator import ProblemEvaluator
 from moseg_core.search.segment import segment
 from moseg_core.shape.shape import Shape
+from moseg_core.testing.fixtures.shapes import specimen
 from tests import shapes
 from tests.made_up import stranger
 
@@ -218,6 +219,8 @@ BUNDLE = """
         return [
             ParameterizationSpec(name=name, target=f"acme_parts:{name}")
             for name in ("beyond", "raises", "other")
+        ] + [
+            ParameterizationSpec(name="filled", target="acme_parts:Voronoi", requires=("volume",))
         ]
 
     @hookimpl
@@ -226,7 +229,10 @@ BUNDLE = """
 
     @hookimpl
     def moseg_measures():
-        return [MeasureSpec(name="girth", target="acme_parts:girth")]
+        return [
+            MeasureSpec(name="girth", target="acme_parts:girth"),
+            MeasureSpec(name="bore", target="acme_parts:bore", requires=("volume",)),
+        ]
 
     class beyond(Voronoi):
         def labels(self, vectors):
@@ -244,6 +250,9 @@ BUNDLE = """
         def __call__(self, evaluator, *, rng, report):
             evaluator.parameterization.labels(np.zeros(3))
 
+    def bore(part):
+        return part.area / part.shape.volume
+
     def girth(part):
         raise ArithmeticError("no girth")
 """
@@ -254,17 +263,27 @@ def girthy(part: Part) -> float:
     return part.measure("acme:girth")
 
 
+@objective(measures=("acme:bore",))
+def bored(part: Part) -> float:
+    return part.measure("acme:bore")
+
+
+@objective()
+def secretly(part: Part) -> float:
+    return part.measure("acme:bore")
+
+
 @pytest.fixture
 def run(site):
     """Search with components of the bundle ``acme``."""
     site.add("moseg-core", bundles={"core": "moseg_core.builtin.plugin"})
     site.add("moseg-acme", "2.0", bundles={"acme": "acme_parts"}, acme_parts=BUNDLE)
     registry = site.discover()
-    objectives = {"share": share, "girthy": girthy}
+    objectives = {"share": share, "girthy": girthy, "bored": bored, "secretly_bored": secretly}
 
-    def start(text="share(a)", **options):
+    def start(text="share(a)", shape=SHAPE, **options):
         problem = Problem(["a", "b"], text, objectives=objectives, registry=registry)
-        return segment(SHAPE, problem, **{"optimizer": "pattern_search", **options})
+        return segment(shape, problem, **{"optimizer": "pattern_search", **options})
 
     return start
 
@@ -352,3 +371,39 @@ def test_a_start_that_is_not_finite_is_still_the_users(run):
     nowhere = Centers(positions=np.full((2, 3), np.nan), weights=np.ones(2))
     with pytest.raises(UsageError, match="the start must have finite centres"):
         run(start=nowhere)
+
+
+FLAT = Shape.from_mesh(
+    [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 0, 0], [2, 1, 0]],
+    [[0, 1, 2], [0, 2, 3], [1, 4, 5], [1, 5, 2]],
+    name="flat",
+)
+
+
+def test_a_shape_that_lacks_what_a_parameterization_requires_is_refused_before_the_search(run):
+    asked = []
+    with pytest.raises(
+        ShapeError,
+        match="^parameterization 'acme:filled' needs an enclosed volume, but 'flat' encloses none:"
+        ".*; repair the mesh, choose another parameterization or have it estimated",
+    ) as caught:
+        run(shape=FLAT, parameterization="filled", report=lambda progress: asked.append(progress))
+    assert asked == []
+    assert caught.value.exit_code == 3
+    assert run(shape=specimen("lump"), parameterization="filled", restarts=1).shape.n_elements > 99
+
+
+def test_a_shape_that_lacks_what_a_measure_requires_is_refused_before_the_search(run):
+    asked = []
+    with pytest.raises(ShapeError, match="^'bored' needs an enclosed volume, but 'flat' enc"):
+        run("bored(a)", shape=FLAT, report=lambda progress: asked.append(progress))
+    assert asked == []
+    assert run("bored(a)", shape=specimen("lump"), restarts=1).shape.n_elements > 99
+
+
+def test_a_measure_that_was_not_declared_refuses_the_shape_in_its_own_name(run):
+    with pytest.raises(
+        ShapeError,
+        match=r"in 'secretly_bored\(a\)' .*: measure 'acme:bore' needs an enclosed volume",
+    ):
+        run("secretly_bored(a)", shape=FLAT)

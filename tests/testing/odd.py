@@ -39,6 +39,12 @@ class Share:
 share = Share(2.0)
 
 
+@objective(range=(0, 1), invariant_to=("rigid", "scale", "reflection", "order", "tessellation"))
+def of_single_precision(part: Part) -> float:
+    """An objective that returns a number of numpy's, of less than double precision."""
+    return np.float32(part.area / part.shape.area)
+
+
 @objective(range=(0, 1))
 def near(part: Part, *, share: Annotated[float, Interval(0, 1)], sharp: bool = False) -> float:
     """An objective with a parameter that must be given."""

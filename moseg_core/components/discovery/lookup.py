@@ -27,11 +27,14 @@ class FoundMeasure:
         Of a part and the measure's own parameters.
     keep : bool
         Whether values are kept beyond the part's life.
+    requires : tuple of {"volume", "adjacency", "surface"}
+        What the shape must have.
     """
 
     id: str
     function: Callable[..., Any]
     keep: bool
+    requires: tuple[Requirement, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -88,10 +91,12 @@ class Lookup:
         if name not in self._measures:
             component = self._found("measure", name)
             if component.id not in self._measures:
+                spec = cast(MeasureSpec, component.spec)
                 self._measures[component.id] = FoundMeasure(
                     id=component.id,
                     function=_named_on_failure(component),
-                    keep=cast(MeasureSpec, component.spec).keep,
+                    keep=spec.keep,
+                    requires=spec.requires,
                 )
             self._measures[name] = self._measures[component.id]
         return self._measures[name]

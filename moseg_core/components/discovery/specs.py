@@ -101,11 +101,24 @@ class MeasureSpec(Spec):
     keep : bool
         Whether values outlive the part, in the run's bounded memo. False for large objects,
         such as a search tree, that only help to compute other measures of the same part.
+    requires : tuple of {"volume", "adjacency", "surface"}
+        What the shape must have. Others are refused by name before the search, where the
+        objective says which measures it takes (:class:`moseg_core.Traits`), else when it does.
+
+    Raises
+    ------
+    ValueError
+        Another requirement.
     """
 
     kind = "measure"
 
     keep: bool = True
+    requires: tuple[Requirement, ...] = ()
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        _check_words(self, "requires", self.requires, get_args(Requirement))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -140,16 +153,8 @@ class FieldSpec(Spec):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        for verb, given, known in (
-            ("requires", self.requires, get_args(Requirement)),
-            ("is invariant to", self.invariant_to, _OF_ELEMENTS),
-        ):
-            for word in (given,) if isinstance(given, str) else given:
-                if word not in known or isinstance(given, str):
-                    raise ValueError(
-                        f"field '{self.name}' {verb} {word!r}; known are {', '.join(known)}"
-                        + (", in a tuple" if isinstance(given, str) else "")
-                    )
+        _check_words(self, "requires", self.requires, get_args(Requirement))
+        _check_words(self, "is invariant to", self.invariant_to, _OF_ELEMENTS)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -161,11 +166,23 @@ class ParameterizationSpec(Spec):
     label_parameters : tuple of str
         Those of its parameters, texts, that speak of labels by name. Where parts are segmented in
         their turn, they are about the first level only, as other levels have other labels.
+    requires : tuple of {"volume", "adjacency", "surface"}
+        What the shape must have; others are refused by name before the search.
+
+    Raises
+    ------
+    ValueError
+        Another requirement.
     """
 
     kind = "parameterization"
 
     label_parameters: tuple[str, ...] = ()
+    requires: tuple[Requirement, ...] = ()
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        _check_words(self, "requires", self.requires, get_args(Requirement))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -292,6 +309,16 @@ class WriterSpec(Spec):
     def __post_init__(self) -> None:
         super().__post_init__()
         _check_suffixes(self.suffixes, self)
+
+
+def _check_words(spec: Spec, verb: str, given: tuple[str, ...], known: tuple[str, ...]) -> None:
+    """Refuse words that are not known, and a text where a tuple of them is meant."""
+    for word in (given,) if isinstance(given, str) else given:
+        if word not in known or isinstance(given, str):
+            raise ValueError(
+                f"{spec.kind} '{spec.name}' {verb} {word!r}; known are {', '.join(known)}"
+                + (", in a tuple" if isinstance(given, str) else "")
+            )
 
 
 def _check_suffixes(suffixes: tuple[str, ...], spec: Spec) -> None:

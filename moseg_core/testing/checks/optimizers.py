@@ -126,7 +126,7 @@ def _ends(subject: Subject) -> None:
             batches, count = batches + 1, count + len(batch.vectors)
         if not search.finished:
             raise ContractFailure(
-                did=f"it searched {name} in four dimensions, where costs are constant but for steps",
+                did=f"it searched {name} in four dimensions, costs that are constant but for steps",
                 got=f"no end after {count} evaluations in {batches} batches",
                 expected=f"'finished' within {toys.PATIENCE} evaluations",
                 fix="end when the best has not become better for so many batches, or the step is"

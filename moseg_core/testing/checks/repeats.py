@@ -47,7 +47,8 @@ def _runs_on_the_zoo(subject: Subject) -> None:
         baseline(subject),
         did="it was run on a small shape",
         excused=subject.component.kind in ("embedding", "constraint"),
-        fix="handle the case, or raise moseg_core.ShapeError where the kind allows it",
+        fix="handle the case; raise moseg_core.ShapeError where the kind allows it; or say in"
+        " requires=(...) of the spec, where the kind has it, what a shape must have",
     )
 
 

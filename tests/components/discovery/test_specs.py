@@ -10,9 +10,11 @@ from hypothesis import strategies as st
 
 from moseg_core.components.discovery.specs import (
     NAME,
+    FieldSpec,
     MeasureSpec,
     ObjectiveSpec,
     OptimizerSpec,
+    ParameterizationSpec,
     ReaderSpec,
     WriterSpec,
 )
@@ -88,6 +90,21 @@ def test_specs_are_values_that_cannot_be_changed():
     assert (spec.summary, spec.keep) == ("", True)
     with pytest.raises(dataclasses.FrozenInstanceError):
         spec.name = "y"
+
+
+@pytest.mark.parametrize("make", [FieldSpec, MeasureSpec, ParameterizationSpec])
+@pytest.mark.parametrize("requires", [("volumes",), "volume"])
+def test_what_is_required_is_among_the_words(make, requires):
+    assert make(name="x", target="a:b", requires=("volume",)).requires == ("volume",)
+    with pytest.raises(ValueError, match="'x' requires 'volume.*known are volume, adjacency, surf"):
+        make(name="x", target="a:b", requires=requires)
+
+
+def test_the_example_of_a_reader_is_a_target():
+    spec = ReaderSpec(name="x", target="a:b", suffixes=(".x",), example="a.b:c")
+    assert spec.example == "a.b:c"
+    with pytest.raises(ValueError, match="example 'a.b' of reader 'x' is not of the form"):
+        ReaderSpec(name="x", target="a:b", suffixes=(".x",), example="a.b")
 
 
 @pytest.mark.parametrize("make", [ReaderSpec, WriterSpec])

@@ -48,6 +48,18 @@ def promises_too_much(part: Part) -> float:
     return float(part.scales[1] / part.scales[0])
 
 
+@objective(range=(0, 1), invariant_to=("rigid", "scale", "order"))
+def answers_in_words(part: Part) -> float:
+    """A text, which Python would take for a number."""
+    return str(part.area / part.shape.area)
+
+
+@objective(range=(0, 1))
+def leaves(part: Part) -> float:
+    """It ends the program."""
+    raise SystemExit(0)
+
+
 @objective(range=(0, math.inf))
 def counts_labels(part: Part) -> float:
     """It depends on how the rest of the shape is labelled."""

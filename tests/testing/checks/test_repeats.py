@@ -22,3 +22,8 @@ def test_a_thread_that_ends_has_not_answered():
 @pytest.mark.parametrize("target", ["tests.testing.broken.heavy:spread"])
 def test_what_is_sound_passes(target):
     assert failures(MeasureSpec(name="own", target=target)) == {}
+
+
+def test_a_measure_that_says_what_it_requires_is_not_asked_of_other_shapes():
+    target = BROKEN["runs-on-the-zoo"].target
+    assert failures(MeasureSpec(name="own", target=target, requires=("surface",))) == {}
