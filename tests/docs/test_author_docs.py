@@ -7,12 +7,15 @@ import os
 import re
 import subprocess
 import sys
+import types
 from pathlib import Path
 
 import pytest
 
 from moseg_core.components.discovery.hookspecs import HOOKS
+from moseg_core.components.discovery.specs import ReaderSpec, WriterSpec
 from tests.conftest import Site
+from tests.testing.outcomes import outcomes
 
 GUIDE = Path(__file__).parents[2] / "docs" / "authors"
 TUTORIAL = GUIDE / "tutorial"
@@ -137,3 +140,19 @@ def test_the_bundle_is_the_one_that_its_pyproject_describes():
     project = (TUTORIAL / "pyproject.toml").read_text()
     assert 'printing = "moseg_printing.plugin"' in project
     assert 'name = "moseg-printing"' in project
+
+
+def test_the_reader_and_the_writer_of_the_page_on_files_keep_the_contract(monkeypatch):
+    (source,) = BLOCK.findall((GUIDE / "files.md").read_text())
+    home = types.ModuleType("guide_files")
+    exec(source, home.__dict__)
+    monkeypatch.setitem(sys.modules, "guide_files", home)
+    reader = ReaderSpec(
+        name="dots",
+        target="guide_files:read_dots",
+        suffixes=(".dots",),
+        example="guide_files:example",
+    )
+    writer = WriterSpec(name="dots", target="guide_files:write_dots", suffixes=(".parts",))
+    for spec in (reader, writer):
+        assert [found for found in outcomes(spec) if found.status == "failed"] == []
