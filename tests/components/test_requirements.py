@@ -42,7 +42,7 @@ def test_nothing_is_said_where_nothing_lacks(shape, requirement):
 
 def test_what_else_to_do_is_said_by_who_demands():
     with pytest.raises(
-        LackError, match="^glue needs to know which.*; use less or take the nearest"
+        LackError, match=r"^glue needs to know which.*; use less or take the nearest"
     ):
         demand(CLOUD, ("adjacency",), "glue", instead="use less")
     demand(BLOCK, ("volume", "adjacency"), "glue")

@@ -384,7 +384,7 @@ def test_a_shape_that_lacks_what_a_parameterization_requires_is_refused_before_t
     asked = []
     with pytest.raises(
         ShapeError,
-        match="^parameterization 'acme:filled' needs an enclosed volume, but 'flat' encloses none:"
+        match=r"^parameterization 'acme:filled' needs an enclosed volume, but 'flat' encloses none:"
         ".*; repair the mesh, choose another parameterization or have it estimated",
     ) as caught:
         run(shape=FLAT, parameterization="filled", report=lambda progress: asked.append(progress))
@@ -395,7 +395,7 @@ def test_a_shape_that_lacks_what_a_parameterization_requires_is_refused_before_t
 
 def test_a_shape_that_lacks_what_a_measure_requires_is_refused_before_the_search(run):
     asked = []
-    with pytest.raises(ShapeError, match="^'bored' needs an enclosed volume, but 'flat' enc"):
+    with pytest.raises(ShapeError, match=r"^'bored' needs an enclosed volume, but 'flat' enc"):
         run("bored(a)", shape=FLAT, report=lambda progress: asked.append(progress))
     assert asked == []
     assert run("bored(a)", shape=specimen("lump"), restarts=1).shape.n_elements > 99

@@ -96,14 +96,16 @@ def test_specs_are_values_that_cannot_be_changed():
 @pytest.mark.parametrize("requires", [("volumes",), "volume"])
 def test_what_is_required_is_among_the_words(make, requires):
     assert make(name="x", target="a:b", requires=("volume",)).requires == ("volume",)
-    with pytest.raises(ValueError, match="'x' requires 'volume.*known are volume, adjacency, surf"):
+    with pytest.raises(
+        ValueError, match=r"'x' requires 'volume.*known are volume, adjacency, surf"
+    ):
         make(name="x", target="a:b", requires=requires)
 
 
 def test_the_example_of_a_reader_is_a_target():
     spec = ReaderSpec(name="x", target="a:b", suffixes=(".x",), example="a.b:c")
     assert spec.example == "a.b:c"
-    with pytest.raises(ValueError, match="example 'a.b' of reader 'x' is not of the form"):
+    with pytest.raises(ValueError, match=r"example 'a\.b' of reader 'x' is not of the form"):
         ReaderSpec(name="x", target="a:b", suffixes=(".x",), example="a.b")
 
 
