@@ -7,9 +7,11 @@ the corner of a cube, as a mesh, as its corners or as a block of cells.
 
 from __future__ import annotations
 
+import base64
 import io
 import json
 import struct
+from typing import Any
 
 import numpy as np
 
@@ -45,9 +47,10 @@ def _stl() -> bytes:
     return bytes(80) + struct.pack("<I", 4) + record.tobytes()
 
 
-def _glb() -> bytes:
+def _scene() -> tuple[dict[str, Any], bytes]:
+    """A glTF document of one mesh, and the buffer that it speaks of."""
     points, faces = np.array(_CORNERS, "<f4").tobytes(), np.array(_FACES, "<u4").tobytes()
-    document = {
+    document: dict[str, Any] = {
         "asset": {"version": "2.0"},
         "scene": 0,
         "scenes": [{"nodes": [0]}],
@@ -70,9 +73,20 @@ def _glb() -> bytes:
             {"bufferView": 1, "componentType": 5125, "count": 12, "type": "SCALAR"},
         ],
     }
+    return document, points + faces
+
+
+def _gltf() -> bytes:
+    document, content = _scene()
+    data = base64.b64encode(content).decode()
+    document["buffers"][0]["uri"] = f"data:application/octet-stream;base64,{data}"
+    return json.dumps(document).encode()
+
+
+def _glb() -> bytes:
+    document, content = _scene()
     text = json.dumps(document).encode()
     text += b" " * (-len(text) % 4)
-    content = points + faces
     chunks = struct.pack("<I4s", len(text), b"JSON") + text
     chunks += struct.pack("<I4s", len(content), b"BIN\0") + content
     return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
@@ -94,7 +108,8 @@ _MAKERS = {
     ".obj": _obj,
     ".stl": _stl,
     ".glb": _glb,
-    ".xyz": lambda: _rows(_CORNERS).encode(),
+    ".gltf": _gltf,
+    **dict.fromkeys((".xyz", ".pts", ".asc", ".txt"), lambda: _rows(_CORNERS).encode()),
     ".csv": lambda: ("x,y,z\n" + _rows(_CORNERS, ",")).encode(),
     ".npy": _npy,
     ".binvox": _binvox,
