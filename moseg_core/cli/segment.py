@@ -25,7 +25,8 @@ from moseg_core.cli.request import (
     read_variants,
 )
 from moseg_core.clipping.clip import check_clippable
-from moseg_core.errors import MosegError, UsageError
+from moseg_core.components.faults import describe
+from moseg_core.errors import REPORT, MosegError, PluginError, UsageError
 from moseg_core.io.files import check_output, files_of, write_files
 from moseg_core.io.result_json import SavedResult, evaluation_document
 from moseg_core.io.write.formats import check_writable
@@ -134,6 +135,10 @@ def run_segment(
             if error.result is None or not outputs:
                 raise
             result, failure = error.result, error
+        except SystemExit as error:  # of code that no component's call is around
+            raise PluginError(
+                f"a component ended the search: {describe(error)}; {REPORT}"
+            ) from error
     for warning in result.warnings:
         message(f"warning: {warning}", quiet=quiet)
     if sets := tried_sets(result.history):

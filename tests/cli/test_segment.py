@@ -251,3 +251,14 @@ def test_no_file_of_a_writer_replaces_the_shape(moseg, mallet, tmp_path, monkeyp
     assert f"'{out}' comes with '{mallet}', which is the shape itself" in run.err
     assert mallet.read_bytes() == before
     assert not out.exists()
+
+
+def test_no_component_ends_the_program_in_silence(moseg, mallet, monkeypatch):
+    def leave(*given, **more):
+        sys.exit(0)
+
+    monkeypatch.setattr("moseg_core.cli.segment.solve_variants", leave)
+    run = moseg("segment", mallet, "--recipe", "paper_hammer")
+    assert run.code == 1
+    assert "moseg: a component ended the search: SystemExit: 0 (" in run.err
+    assert '"sys.exit(0)"' in run.err
