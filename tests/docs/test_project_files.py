@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import tomllib
 from importlib import metadata
 from pathlib import Path
 
@@ -49,6 +50,21 @@ def test_every_distribution_has_the_version_that_is_cited():
     assert len(projects) > 3
     found = {re.search(r'^version = "(.*)"', p.read_text(), re.MULTILINE)[1] for p in projects}
     assert found == {metadata.version("moseg-core")}
+
+
+def test_own_bundles_depend_on_each_other_as_authors_are_advised_to():
+    assert "Depend on `moseg-core>=X`" in read("docs/authors/publishing.md")
+    projects = [ROOT / "pyproject.toml", *ROOT.glob("plugins/*/pyproject.toml")]
+    lines = [
+        line
+        for project in projects
+        for table in [tomllib.loads(project.read_text(encoding="utf-8"))["project"]]
+        for lines in [table["dependencies"], *table.get("optional-dependencies", {}).values()]
+        for line in lines
+        if line.startswith("moseg")
+    ]
+    assert sum(line.startswith("moseg-core") for line in lines) == len(projects) - 1
+    assert [line for line in lines if not re.fullmatch(r"moseg-[a-z-]+>=\d+\.\d+\.\d+", line)] == []
 
 
 @pytest.mark.parametrize("template", ["bug", "segmentation"])
