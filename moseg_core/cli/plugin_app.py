@@ -20,6 +20,12 @@ Sketched = Literal[
     "refiner",
     "constraint",
     "embedding",
+    "measure",
+    "learner",
+    "recipe",
+    "reader",
+    "writer",
+    "command",
 ]
 
 

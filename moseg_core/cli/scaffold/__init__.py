@@ -36,11 +36,14 @@ class Sketch:
         One line, as in ``moseg plugin list``.
     use : tuple of str
         Command lines that use it.
+    needs : tuple of str
+        Distributions beside the core whose components it names.
     """
 
     component: str
     summary: str
     use: tuple[str, ...]
+    needs: tuple[str, ...] = ()
 
 
 _SAMPLE = "moseg sample hammer -o hammer.ply"
@@ -101,6 +104,44 @@ SKETCHES: Mapping[str, Sketch] = {
         summary="stretched across until as wide and high as long",
         use=(_SAMPLE, *_WHOLE, "    --embedding rounded"),
     ),
+    "measure": Sketch(
+        component="reach",
+        summary="greatest distance of a part's surface from its centroid",
+        use=("moseg plugin explain reach",),
+    ),
+    "learner": Sketch(
+        component="shares",
+        summary="parts as large as those of the examples, give or take",
+        use=(
+            "moseg sample hammer -o hammer.ply --labels hammer.txt",
+            "moseg learn hammer.ply=hammer.txt --learner shares -o mine.toml",
+        ),
+        needs=("moseg-objectives-basic",),
+    ),
+    "recipe": Sketch(
+        component="bottle",
+        summary="a body with a narrow neck",
+        use=("moseg segment wine.ply --recipe bottle -o wine.glb",),
+        needs=("moseg-objectives-basic",),
+    ),
+    "reader": Sketch(
+        component="raw_triangles",
+        summary="text files with the nine numbers of a triangle in a line",
+        use=("moseg segment scan.raw --recipe hammer -o scan.glb",),
+    ),
+    "writer": Sketch(
+        component="parts_list",
+        summary="a line for each part: name, elements, share of the area",
+        use=(_SAMPLE, "moseg segment hammer.ply --recipe hammer -o hammer.list"),
+    ),
+    "command": Sketch(
+        component="areas",
+        summary="How large the parts of a labelling are.",
+        use=(
+            "moseg sample hammer -o hammer.ply --labels hammer.txt",
+            "moseg areas hammer.ply hammer.txt",
+        ),
+    ),
 }
 """The kinds that can be sketched, in the order in which they are offered."""
 
@@ -122,6 +163,7 @@ def words(name: str, kind: str) -> dict[str, str]:
         "MY_COMPONENT": sketch.component,
         "MY_SUMMARY": sketch.summary,
         "MY_KIND": kind,
+        "MY_NEEDS": "".join(f', "{needed}>={VERSION}"' for needed in sketch.needs),
         "MY_USE": re.sub(r"\n +--", r" \\\g<0>", "\n".join(f"    {line}" for line in sketch.use)),
         "CORE_VERSION": VERSION,
         "CORE_CONTRACT": str(CONTRACT),

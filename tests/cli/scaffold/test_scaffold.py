@@ -2,25 +2,36 @@
 
 from __future__ import annotations
 
+import json
+import os
+import re
 import subprocess
 import sys
 import tomllib
-from typing import get_args
+from typing import get_args, get_type_hints
 
 import pytest
 
+from moseg_core.cli.plugin_app import new_plugin
 from moseg_core.cli.scaffold import SKETCHES, render, words, write_bundle
+from moseg_core.components.discovery.contract import VERSION
 from moseg_core.components.discovery.hookspecs import HOOKS
 from moseg_core.components.discovery.specs import Kind
 from moseg_core.errors import UsageError
+from tests.conftest import Site
 
 KINDS = list(SKETCHES)
+
+#: What is around a search: little is asked of these, and they are tried in no time.
+AROUND = ("measure", "learner", "recipe", "reader", "writer", "command")
+IN = tuple(kind for kind in KINDS if kind not in AROUND)
 RULES = ["E", "F", "W", "I", "B", "UP", "N", "RUF", "SIM", "PT", "C4", "NPY", "PERF", "D"]
 
 
-def test_every_kind_that_a_search_is_made_of_has_a_sketch():
-    others = {"measure", "recipe", "reader", "writer", "command", "learner"}
-    assert set(KINDS) == set(get_args(Kind)) - others
+def test_every_kind_has_a_sketch():
+    assert set(KINDS) == set(get_args(Kind))
+    offered = get_type_hints(new_plugin)["kind"]
+    assert list(get_args(offered)) == KINDS
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -57,7 +68,44 @@ def test_the_package_names_its_entry_point_and_its_bundle_the_component(kind):
     assert spec.name == SKETCHES[kind].component
     module, _, name = spec.target.partition(":")
     source = files[f"src/{module.replace('.', '/')}.py"]
-    assert f"class {name}" in source or f"def {name}" in source
+    assert re.search(rf"^(class|def) {name}\b|^{name} =", source, re.MULTILINE)
+
+
+def test_distributions_whose_components_are_named_are_required():
+    files = render("vessels", "recipe")
+    required = tomllib.loads(files["pyproject.toml"])["project"]["dependencies"]
+    assert [word for word in required if word.startswith("moseg")] == [
+        f"moseg-core>={VERSION}",
+        f"moseg-objectives-basic>={VERSION}",
+    ]
+
+
+@pytest.mark.parametrize("kind", [*AROUND, *(pytest.param(k, marks=pytest.mark.slow) for k in IN)])
+def test_the_bundle_passes_its_tests_and_the_kit(kind, tmp_path):
+    """Without installing anything: its sources and its metadata are on the path.
+
+    tests/system/test_published_bundle.py installs bundles of all kinds.
+    """
+    write_bundle(tmp_path / "b", "my_parts", kind)
+    project = tomllib.loads((tmp_path / "b" / "pyproject.toml").read_text())["project"]
+    site = Site(tmp_path / "b" / "src")
+    (bundle,) = project["entry-points"]["moseg"].items()
+    site.add("moseg-my-parts", bundles=dict([bundle]), requires=project["dependencies"])
+    paths = [str(site.folder), os.environ.get("PYTHONPATH", "")]
+    around = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, paths)), "MOSEG_STRICT": "1"}
+
+    def run(*words: str) -> str:
+        command = [sys.executable, "-m", *words]
+        done = subprocess.run(
+            command, env=around, cwd=tmp_path / "b", capture_output=True, text=True
+        )
+        assert done.returncode == 0, done.stdout + done.stderr
+        return done.stdout
+
+    run("pytest", "-q", "-p", "no:cacheprovider", "-W", "error")
+    report = json.loads(run("moseg_core", "plugin", "check", "my_parts", "--json"))
+    assert {outcome["status"] for outcome in report["outcomes"]} <= {"passed", "skipped"}
+    assert report["counts"]["passed"] > 2
 
 
 @pytest.mark.parametrize("kind", KINDS)
