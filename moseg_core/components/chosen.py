@@ -1,7 +1,9 @@
 """A component that somebody chose, by name and with parameters; found, loaded and checked.
 
 A choice is written like a call of the expression language, ``pattern_search(expansion=2)``, or in
-a recipe as a table with a ``name``. It is looked up and checked before any shape is read.
+a recipe as a table with a ``name``. It is looked up and checked before any shape is read. In Python
+it can also be a class or a factory that no bundle brings
+(:mod:`moseg_core.components.discovery.uninstalled`).
 """
 
 from __future__ import annotations
@@ -13,6 +15,11 @@ from typing import Any
 
 from moseg_core.components.discovery.registry import Component, Registry
 from moseg_core.components.discovery.specs import Kind
+from moseg_core.components.discovery.uninstalled import (
+    qualified_name,
+    uninstalled,
+    with_arguments,
+)
 from moseg_core.components.parameters import (
     PROVIDED,
     Parameter,
@@ -28,6 +35,10 @@ OCCASIONS = ("default", "coarse", "polish", "again")
 """When a component may be used with other parameters than the defaults of its signature: see
 ``presets`` in :mod:`moseg_core.components.protocols`."""
 
+_AS_CLASSES = ("parameterization", "seeder", "labeler", "optimizer", "refiner")
+"""The kinds of which a class need not be installed. Embeddings are part of a problem, which is
+read again from results by their names."""
+
 
 @dataclass(frozen=True)
 class Choice:
@@ -37,6 +48,8 @@ class Choice:
     ----------
     name : str
     parameters : mapping of str to value
+    target : callable, optional
+        The class or factory itself, where it is not installed; the name is then the qualified one.
 
     Examples
     --------
@@ -48,30 +61,54 @@ class Choice:
 
     name: str
     parameters: Mapping[str, Any] = field(default_factory=dict)
+    target: Callable[..., Any] | None = None
 
     def __hash__(self) -> int:
         # Parameters that a recipe's table gives may be lists; the names tell most choices apart.
         return hash((self.name, tuple(sorted(self.parameters))))
 
     @classmethod
-    def read(cls, given: str | Mapping[str, Any] | Choice, kind: Kind) -> Choice:
-        """From text or a table.
+    def read(
+        cls, given: str | Mapping[str, Any] | Choice | Callable[..., Any], kind: Kind
+    ) -> Choice:
+        """From text, a table, or a class or factory that is not installed.
+
+        Parameters of the latter are given by :func:`functools.partial`, or in a table with the
+        class as its ``name``.
 
         Raises
         ------
         ExpressionError
             Malformed text.
         UsageError
-            A table without a name.
+            A table without a name; a class of a kind that has to be installed.
         """
         if isinstance(given, Choice):
             return given
         if isinstance(given, str):
             term = parse_call(given)
             return cls(term.name, dict(term.parameters))
-        if not isinstance(given, Mapping) or not isinstance(given.get("name"), str):
+        table = given if isinstance(given, Mapping) else {"name": given}
+        name = table.get("name")
+        more = {key: v for key, v in table.items() if key != "name"}
+        if callable(name) and kind in _AS_CLASSES:
+            target, own = with_arguments(name)
+            return cls(qualified_name(target), {**own, **more}, target)
+        if not isinstance(given, Mapping) or not isinstance(name, str):
             raise UsageError(f"{kind} must be a name or a table with a name, not {given!r}")
-        return cls(given["name"], {key: v for key, v in given.items() if key != "name"})
+        return cls(name, more)
+
+    def component(self, kind: Kind, registry: Registry) -> Component:
+        """The component that is meant.
+
+        Raises
+        ------
+        UsageError, PluginError
+            None, or several; see :meth:`Registry.find`.
+        """
+        if self.target is not None:
+            return uninstalled(self.target, kind)
+        return registry.find(kind, self.name)
 
     def __str__(self) -> str:
         return format_call(self.name, parameters=self.parameters.items())
@@ -156,19 +193,17 @@ def prepare(
         The component's bundle is broken, or its presets or its spec speak of parameters that
         it does not have.
     """
-    component = registry.find(kind, choice.name)
+    component = choice.component(kind, registry)
     target = component.load()
     if not callable(target):
         raise PluginError(
-            f"{kind} '{component.id}' of {component.distribution} cannot be called:"
-            f" {component.spec.target} is a {type(target).__name__}; {REPORT}"
+            f"{component.who} cannot be called: {component.spec.target} is a"
+            f" {type(target).__name__}; {REPORT}"
         )
     try:
         declared = declared_parameters(target, reserved=PROVIDED.get(kind, ()))
     except TypeError as error:
-        raise PluginError(
-            f"{kind} '{component.id}' of {component.distribution} cannot be used: {error}; {REPORT}"
-        ) from error
+        raise PluginError(f"{component.who} cannot be used: {error}; {REPORT}") from error
     if getattr(component.spec, "takes_centers", False) and not any(
         parameter.name == "centers" for parameter in declared
     ):

@@ -12,7 +12,7 @@ settled options and decides nothing of this again.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields, replace
 from numbers import Integral, Real
 from typing import Any, Self, TypedDict
@@ -33,8 +33,9 @@ CHOSEN_KINDS: tuple[Kind, ...] = (*SEARCH_KINDS, "refiner")
 RECIPE_OPTIONS = (*CHOSEN_KINDS, "resolution", "restarts", "finalists")
 """The options that belong to how a problem is solved, whoever solves it: a recipe may hold them."""
 
-ComponentChoice = str | Mapping[str, Any] | Choice | None
-"""A component as a caller names it: ``"kmeans"``, ``"pattern_search(expansion=2)"``, a table."""
+ComponentChoice = str | Mapping[str, Any] | Choice | Callable[..., Any] | None
+"""A component as a caller names it: ``"kmeans"``, ``"pattern_search(expansion=2)"``, a table; or a
+class or factory that is not installed."""
 
 NO_REFINER = "none"
 """In the place of a refiner: boundaries stay as the search leaves them, whatever a recipe says."""
@@ -113,9 +114,9 @@ class Method:
 
     Parameters
     ----------
-    parameterization, seeder, labeler, optimizer : str, mapping or Choice, optional
-        Components: ``"pattern_search(expansion=2)"``.
-    refiner : str, mapping or Choice, optional
+    parameterization, seeder, labeler, optimizer : str, mapping, Choice or class, optional
+        Components: ``"pattern_search(expansion=2)"``, or a class that is not installed.
+    refiner : str, mapping, Choice or class, optional
         A component that moves boundaries once the search is over; ``"none"`` for none.
     resolution : int or "full", optional
         Number of super-elements on which to seed and search, where the shape has more than 1.5
@@ -275,7 +276,7 @@ class SearchOptions(Method):
         said = Method() if recipe is None else recipe
         if self.settings == "paper":
             plain: Any = {
-                kind: Choice(choice.name)
+                kind: replace(choice, parameters={})
                 for kind in SEARCH_KINDS
                 if (choice := getattr(said, kind)) is not None
             }

@@ -38,7 +38,7 @@ from moseg_core.problem.label_sets import (
     labels_of_variants,
     set_text,
 )
-from moseg_core.problem.settings import RECIPE_OPTIONS, Method, check_method
+from moseg_core.problem.settings import CHOSEN_KINDS, RECIPE_OPTIONS, Method, check_method
 
 _LABEL = re.compile(r"\w+\Z", re.ASCII)
 # A digit before the star would run into the numbers: leg2* would be leg21, leg22 and so on.
@@ -117,6 +117,13 @@ class Statement:
         if self.variants and not self.labels:
             object.__setattr__(self, "labels", labels_of_variants(self.variants))
         check_method(self.search, "a statement's search")
+        for kind in CHOSEN_KINDS:
+            choice = getattr(self.search, kind)
+            if choice is not None and choice.target is not None:
+                raise UsageError(
+                    f"{kind} '{choice.name}' is not installed, and a statement is a text that"
+                    f" others read; give the class to segment instead"
+                )
 
     @classmethod
     def read(cls, table: Mapping[str, Any]) -> Statement:

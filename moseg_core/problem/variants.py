@@ -236,7 +236,7 @@ def parameterization_of(
     >>> str(parameterization_of(chosen, ["body"], ["body", "tail"], registry()))
     'voronoi(centers="body=2")'
     """
-    spec = cast(ParameterizationSpec, source.find("parameterization", choice.name).spec)
+    spec = cast(ParameterizationSpec, choice.component("parameterization", source).spec)
     parameters = dict(choice.parameters)
     for key in spec.label_parameters:
         text = parameters.get(key)
@@ -254,7 +254,7 @@ def parameterization_of(
             parameters |= {key: ",".join(kept)} if kept else {}
     if parameters == choice.parameters:
         return choice
-    return Choice(choice.name, parameters) if parameters else None
+    return replace(choice, parameters=parameters) if parameters else None
 
 
 def _stands_for(pattern: str, names: Sequence[str]) -> bool:

@@ -18,6 +18,7 @@ from moseg_core.clipping.boundaries import Boundaries, DistanceField
 from moseg_core.clipping.clip import check_clippable, clip_along
 from moseg_core.components.chosen import Choice, PreparedComponent, prepare
 from moseg_core.components.discovery.specs import Kind
+from moseg_core.components.discovery.uninstalled import NOT_INSTALLED
 from moseg_core.errors import UsageError
 from moseg_core.problem.problem import Problem
 from moseg_core.search.checked_partition import make_partition
@@ -66,6 +67,12 @@ def clip(result: Result, *, space: Shape | None = None) -> Result:
         )
     if result.refined:
         raise _moved(f"refiner '{result.method['refiner']}'")
+    name = result.method["parameterization"].partition("(")[0]
+    if result.versions.get(name) == NOT_INSTALLED:
+        raise UsageError(
+            f"boundaries cannot be clipped: the parameterization '{name}' is not installed; put it"
+            " into a bundle (moseg plugin new)"
+        )
     choice = Choice.read(result.method["parameterization"], "parameterization")
     ready = prepare(choice, "parameterization", result.problem.registry)
     check_parameterization(ready)

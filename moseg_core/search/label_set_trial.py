@@ -280,15 +280,15 @@ def _brief(
     what is searched for.
     """
     settled = options.over(method).settled()
-    optimizer = Choice(settled.optimizer.name)
+    optimizer = replace(settled.optimizer, parameters={})
     if coarse:
         ready = prepare(optimizer, "optimizer", task.registry).tuned("default").tuned("coarse")
-        optimizer = Choice(settled.optimizer.name, ready.parameters)
+        optimizer = replace(optimizer, parameters=ready.parameters)
     return replace(
         options,
         parameterization=settled.parameterization,
-        seeder=Choice(settled.seeder.name),
-        labeler=Choice(settled.labeler.name),
+        seeder=replace(settled.seeder, parameters={}),
+        labeler=replace(settled.labeler, parameters={}),
         optimizer=optimizer,
         refiner=NO_REFINER,
         resolution="full" if coarse else settled.resolution,

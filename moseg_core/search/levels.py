@@ -227,15 +227,17 @@ def _for_level(options: SearchOptions, path: str, registry: Registry) -> SearchO
     A parameterization of which nothing else was said is then that of the level.
     """
     if path and isinstance(options.seeder, Choice):
-        seeder = registry.find("seeder", options.seeder.name)
+        seeder = options.seeder.component("seeder", registry)
         if cast(SeederSpec, seeder.spec).takes_centers:
             options = replace(options, seeder=None)
     if path and isinstance(options.parameterization, Choice):
-        name, given = options.parameterization.name, options.parameterization.parameters
-        spec = cast(ParameterizationSpec, registry.find("parameterization", name).spec)
+        chosen, given = options.parameterization, options.parameterization.parameters
+        spec = cast(ParameterizationSpec, chosen.component("parameterization", registry).spec)
         rest = {key: value for key, value in given.items() if key not in spec.label_parameters}
         if len(rest) < len(given):
-            options = replace(options, parameterization=Choice(name, rest) if rest else None)
+            options = replace(
+                options, parameterization=replace(chosen, parameters=rest) if rest else None
+            )
     return options
 
 

@@ -83,9 +83,10 @@ def segment(
     ----------
     shape : Shape
     problem : Problem
-    seeder, labeler, optimizer, parameterization : str, mapping or Choice, optional
-        Components: ``"pattern_search(expansion=2)"``. By default the paper's.
-    refiner : str, mapping or Choice, optional
+    seeder, labeler, optimizer, parameterization : str, mapping, Choice or class, optional
+        Components: ``"pattern_search(expansion=2)"``, or a class or factory that no bundle brings
+        (parameters by :func:`functools.partial`). By default the paper's.
+    refiner : str, mapping, Choice or class, optional
         A component that moves boundaries once the search is over: ``"graph_cut(band=0.08)"``. By
         default the recipe's, or none; ``"none"`` leaves the recipe's out. Labels and cost are then
         those of the refined labelling, centres those of the partition that the search has found.

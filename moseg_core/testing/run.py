@@ -13,9 +13,11 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from moseg_core.components.discovery.registry import Registry, registry
+from moseg_core.components.discovery.specs import Kind, Spec
 from moseg_core.components.faults import FAULTS, describe
 from moseg_core.errors import PluginError, UsageError, unknown
 from moseg_core.testing.check import CHECKS, Check, ContractFailure, Skip, Subject
+from moseg_core.testing.fixtures.alone import as_bundle
 
 Status = Literal["passed", "failed", "skipped", "expected", "warned"]
 
@@ -194,17 +196,22 @@ def load_checks() -> tuple[Check, ...]:
 
 
 def cases_of(
-    bundle: str,
+    bundle: str | Spec | Callable[..., Any],
     *,
+    kind: Kind | None = None,
     expected_failures: Mapping[str, str] | None = None,
     source: Registry | None = None,
 ) -> list[Case]:
-    """All checks on all components of an installed bundle.
+    """All checks on all components of an installed bundle, or on one that is not installed.
 
     Parameters
     ----------
-    bundle : str
-        Its namespace, the entry point's name.
+    bundle : str, Spec or callable
+        The namespace of an installed bundle, the entry point's name. Or a component that no bundle
+        brings yet: an objective, a class or function together with its `kind`, or the spec of one.
+        Other processes import it too, so it stands at the top of a module that can be imported.
+    kind : Kind, optional
+        Of a class or function.
     expected_failures : mapping of str to str, optional
         For the id of a check, or ``name check-id`` for one component, why it fails.
     source : Registry, optional
@@ -213,12 +220,24 @@ def cases_of(
     Raises
     ------
     UsageError
-        No such bundle, or no such check.
+        No such bundle, or no such check; a class or function that cannot be imported, or of which
+        is not said what kind it is.
     PluginError
         The bundle is set aside.
+
+    Examples
+    --------
+    >>> from moseg_core.builtin.greedy import Greedy
+    >>> cases_of(Greedy, kind="labeler")[-1].id
+    'moseg_core.builtin.greedy:Greedy labeler-equivariant'
     """
     checks = load_checks()
     found = registry() if source is None else source
+    if not isinstance(bundle, str):
+        alone = as_bundle(bundle, kind)
+        found, bundle = Registry([*found.bundles, alone]), alone.name
+    elif kind is not None:
+        raise UsageError(f"the kind '{kind}' is about a class or function, not about a bundle")
     chosen = [b for b in found.bundles if b.name == bundle]
     if not chosen:
         raise UsageError(unknown("bundle", bundle, [b.name for b in found.bundles]))
@@ -253,16 +272,17 @@ def run_cases(cases: Sequence[Case]) -> list[Outcome]:
 
 
 def parametrize_contract(
-    bundle: str, *, expected_failures: Mapping[str, str] | None = None
+    bundle: str | Spec | Callable[..., Any],
+    *,
+    kind: Kind | None = None,
+    expected_failures: Mapping[str, str] | None = None,
 ) -> Callable[[Callable[..., None]], Callable[..., None]]:
     """A decorator for a test function with the argument ``check``, run once for each case.
 
     Parameters
     ----------
-    bundle : str
-        The namespace of an installed bundle.
-    expected_failures : mapping of str to str, optional
-        See :func:`cases_of`.
+    bundle, kind, expected_failures
+        See :func:`cases_of`: an installed bundle, or a component that is not installed.
 
     Raises
     ------
@@ -271,5 +291,5 @@ def parametrize_contract(
     """
     import pytest
 
-    cases = cases_of(bundle, expected_failures=expected_failures)
+    cases = cases_of(bundle, kind=kind, expected_failures=expected_failures)
     return pytest.mark.parametrize("check", cases, ids=[case.id for case in cases])

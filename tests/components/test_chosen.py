@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import functools
 import math
+from typing import ClassVar
 
 import numpy as np
 import pytest
@@ -39,6 +41,51 @@ def test_other_things_are_not_choices(given_choice):
     assert str(caught.value) == (
         f"seeder must be a name or a table with a name, not {given_choice!r}"
     )
+
+
+class Walk:
+    """An optimizer that nobody has installed, as far as choices go."""
+
+    presets: ClassVar = {"polish": {"step": 0.5}}
+
+    def __init__(self, start, lower, upper, scale, /, *, rng, step: float = 1.0):
+        self.step = step
+
+
+def walk_about(start, lower, upper, scale, /, *, rng, step: float = 1.0):
+    return Walk(start, lower, upper, scale, rng=rng, step=step)
+
+
+@pytest.mark.parametrize(
+    ("given_choice", "name", "parameters"),
+    [
+        (Walk, "Walk", {}),
+        (walk_about, "walk_about", {}),
+        (functools.partial(Walk, step=2.0), "Walk", {"step": 2.0}),
+        ({"name": Walk, "step": 2.0}, "Walk", {"step": 2.0}),
+    ],
+)
+def test_a_class_or_factory_is_taken_as_it_is(given_choice, name, parameters):
+    choice = Choice.read(given_choice, "optimizer")
+    assert choice.name == f"{__name__}:{name}"
+    ready = prepare(choice, "optimizer", registry())
+    assert ready.parameters == parameters
+    assert ready.component.id == choice.name
+    assert ready.who == f"optimizer '{choice.name}', which is not installed,"
+    made = ready.make(*([np.zeros(1)] * 4), rng=None)
+    assert (type(made), made.step) == (Walk, parameters.get("step", 1.0))
+
+
+def test_the_presets_and_parameters_of_a_class_count():
+    ready = prepare(Choice.read(Walk, "optimizer"), "optimizer", registry())
+    assert ready.preset("polish").parameters == {"step": 0.5}
+    with pytest.raises(UsageError, match="did you mean 'step'"):
+        prepare(Choice.read({"name": Walk, "stap": 1}, "optimizer"), "optimizer", registry())
+
+
+def test_an_embedding_has_to_be_installed():
+    with pytest.raises(UsageError, match="embedding must be a name"):
+        Choice.read(Walk, "embedding")
 
 
 @pytest.mark.parametrize("text", ["", "kmeans(", "kmeans(a)", "2*kmeans", "kmeans + kmeans"])

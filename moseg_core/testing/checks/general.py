@@ -19,6 +19,7 @@ from typing import Any, get_args
 
 from moseg_core.components import protocols
 from moseg_core.components.discovery.specs import Invariance, Kind, Requirement
+from moseg_core.components.discovery.uninstalled import NOT_INSTALLED
 from moseg_core.components.faults import FAULTS, describe
 from moseg_core.components.objectives import COST_ORDER, Arity, Traits
 from moseg_core.components.parameters import Parameter
@@ -232,6 +233,8 @@ HEAVY = frozenset(
 @check("bundle-imports-light", kinds=ALL)
 def _bundle_imports_light(subject: Subject) -> None:
     """Every command imports the modules of all bundles, only to say what is installed."""
+    if subject.component.distribution == NOT_INSTALLED:
+        raise Skip("no bundle brings it yet")
     name = subject.component.bundle
     module = next(b.module for b in subject.registry.bundles if b.name == name)
     heavy, failure = _imports(module, tuple(path or os.getcwd() for path in sys.path))
