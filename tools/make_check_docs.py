@@ -46,7 +46,8 @@ INTRODUCTION = """\
 
 `moseg plugin check NAME`, and `parametrize_contract("NAME")` in a test, run these checks on every
 component of an installed bundle, or on one that is not installed ([index.md](index.md)); made from
-the code by `tools/make_check_docs.py`. A check that came with a later contract (*since*) than the bundle states warns instead of failing
+the code by `tools/make_check_docs.py`. A check that came with a later contract (*since*) than the
+bundle states warns instead of failing
 ([contract.md](contract.md)). Each is itself tested by a component that fails it and no other, which
 is in the last column; they are in `tests/testing/broken`.
 """

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -53,6 +55,7 @@ def segment(
     steering: SteeringFlags = _NO_STEERING,
     clip: Flag = False,
     out: Outputs = None,
+    profile: Flag = False,
     json: Flag = False,
     quiet: Flag = False,
 ) -> None:
@@ -73,24 +76,29 @@ def segment(
         A mesh (OFF, PLY, OBJ, STL, GLB), point cloud (PLY, XYZ, CSV) or voxel grid (NPY, BINVOX).
     clip
         Cut the faces at boundaries, so that these are smooth, in .ply, .glb and .png.
+    profile
+        Print at the end, on stderr, where the time went: by stage, by term and component, by
+        bundle. Everything is then done in one process.
     json
         Print a summary as JSON instead of tables.
     quiet
         Print no messages, progress or tables.
     """
+    from moseg_core.cli.profile import printing_profile
     from moseg_core.cli.segment import run_segment
 
-    run_segment(
-        shape,
-        problem_flags=problem,
-        reading=reading,
-        search=search,
-        steering=steering,
-        clipped=clip,
-        outputs=out or [],
-        as_json=json,
-        quiet=quiet,
-    )
+    with printing_profile() if profile else nullcontext():
+        run_segment(
+            shape,
+            problem_flags=problem,
+            reading=reading,
+            search=replace(search, workers=1) if profile else search,
+            steering=steering,
+            clipped=clip,
+            outputs=out or [],
+            as_json=json,
+            quiet=quiet,
+        )
 
 
 @app.command

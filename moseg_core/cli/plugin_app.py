@@ -74,7 +74,9 @@ def new_plugin(
 
 
 @plugin_app.command(name="check")
-def check_plugin(bundle: str, /, *, timeout: float = 60.0, json: Flag = False) -> None:
+def check_plugin(
+    bundle: str, /, *, timeout: float = 60.0, time: Flag = False, json: Flag = False
+) -> None:
     """Check that the components of a bundle keep what their kinds promise.
 
     The bundle runs in a process of its own. Ends with 1 where a check fails.
@@ -89,12 +91,14 @@ def check_plugin(bundle: str, /, *, timeout: float = 60.0, json: Flag = False) -
         Its namespace, as listed by "moseg plugin list".
     timeout
         Seconds that a check may take before it is ended and has failed.
+    time
+        Say too how long a call of each component takes, beside the cost that it declares.
     json
         Print JSON instead of a table.
     """
     from moseg_core.cli.plugin_check import run_check
 
-    run_check(bundle, as_json=json, timeout=timeout)
+    run_check(bundle, as_json=json, timeout=timeout, timed=time)
 
 
 @plugin_app.command(name="explain")

@@ -6,9 +6,11 @@ Nothing of the bundle is imported here; it runs in a process of its own
 
 from __future__ import annotations
 
+import json
+import subprocess
 import sys
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any, get_args
 
@@ -24,8 +26,8 @@ from moseg_core.testing.processes.watching_parent import Announce, BundleReport,
 from moseg_core.testing.run import Outcome, Status, load_checks
 
 
-def run_check(bundle: str, *, as_json: bool, timeout: float) -> None:
-    """Print what became of each check.
+def run_check(bundle: str, *, as_json: bool, timeout: float, timed: bool = False) -> None:
+    """Print what became of each check, and how long components take where that is asked.
 
     Raises
     ------
@@ -35,9 +37,13 @@ def run_check(bundle: str, *, as_json: bool, timeout: float) -> None:
     with _status() as announce:
         report = watch_checks(bundle, timeout=timeout, report=announce)
     load_checks()
+    times = _times(bundle) if timed else []
     if as_json:
-        print_json(_document(report))
+        print_json(_document(report) | ({"times": times} if timed else {}))
     else:
+        if timed:
+            console(sys.stdout).print(_times_table(times))
+            print()
         _print(report, console(sys.stdout))
     failed = sum(found.status == "failed" for found in report.outcomes)
     if failed:
@@ -124,6 +130,42 @@ def _by_component(outcomes: Sequence[Outcome]) -> Padding:
 
 def _counted(count: int, noun: str) -> str:
     return f"{count} {noun}{'' if count == 1 else 's'}"
+
+
+def _times(bundle: str) -> list[dict[str, Any]]:
+    """What :mod:`moseg_core.testing.timing` says of a bundle, in a process of its own."""
+    command = [sys.executable, "-m", "moseg_core.testing.timing", bundle]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    lines = done.stdout.splitlines()
+    if done.returncode or not lines:
+        words = (done.stderr.strip().splitlines() or ["the process ended"])[-1]
+        raise PluginError(f"the components of '{bundle}' could not be timed: {words}")
+    # Components may print; the report is the last line.
+    found: list[dict[str, Any]] = json.loads(lines[-1])
+    return found
+
+
+def _times_table(times: Sequence[Mapping[str, Any]]) -> Table:
+    """Microseconds of a call, by component."""
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    table.add_column("us per call", overflow="fold")
+    table.add_column("declared")
+    for heading in ("zoo", "samples", "calls"):
+        table.add_column(heading, justify="right")
+    table.add_column("")
+    for timing in times:
+        zoo, samples = (
+            "" if timing[group] is None else f"{timing[group]:.0f}" for group in ("zoo", "samples")
+        )
+        table.add_row(
+            Text(f"{timing['kind']} {timing['component']}"),
+            timing["declared"],
+            zoo,
+            samples,
+            str(timing["calls"]),
+            Text(timing["note"]),
+        )
+    return table
 
 
 def _document(report: BundleReport) -> dict[str, Any]:

@@ -26,6 +26,7 @@ from moseg_core.cli.request import (
 )
 from moseg_core.clipping.clip import check_clippable
 from moseg_core.components.faults import describe
+from moseg_core.components.profile import timed
 from moseg_core.errors import REPORT, MosegError, PluginError, UsageError
 from moseg_core.io.files import check_output, files_of, write_files
 from moseg_core.io.result_json import SavedResult, evaluation_document
@@ -92,7 +93,8 @@ def run_segment(
             raise UsageError(f"'{output}' is the shape itself; write the result to another file")
 
     started = time.monotonic()
-    shape = read_shape(path, reading)
+    with timed("stage", "read"):
+        shape = read_shape(path, reading)
     problem.check(problem.embed(searched_part(shape, options)))
     if clipped:
         check_clippable(shape)
@@ -146,9 +148,11 @@ def run_segment(
         chosen = set_text(wholes, variants.statement.labels)
         message(f"chosen among {len(sets)} label sets: {chosen}", quiet=quiet)
     if clipped:
-        result = clip(result)
+        with timed("stage", "clip"):
+            result = clip(result)
         message(_clipping_summary(result), quiet=quiet)
-    written, failures = _save(result, outputs, path)
+    with timed("stage", "write"):
+        written, failures = _save(result, outputs, path)
     free, whole = result.dimension
     if free < whole:
         message(f"constraints leave {free} of {whole} dimensions to search", quiet=quiet)

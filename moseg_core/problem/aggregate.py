@@ -17,6 +17,7 @@ from moseg_core.components.at_work import at_work
 from moseg_core.components.cost import Cost
 from moseg_core.components.detail import Detail
 from moseg_core.components.faults import FAULTS, describe
+from moseg_core.components.profile import timed
 from moseg_core.components.real_number import described, real_number
 from moseg_core.components.requirements import LackError
 from moseg_core.components.segmentation import Segmentation
@@ -243,7 +244,11 @@ def _computed(
     who = f"objective '{term.id}' of {term.distribution}"
     doing = f"{who} in {_where(term, call, labels)}"
     try:
-        with at_work(doing), under_watch(doing):
+        with (
+            at_work(doing),
+            under_watch(doing),
+            timed("term", str(term.term), term.distribution),
+        ):
             returned = term.objective(subject, **term.parameters)
     except UsageError as error:  # it says what is wrong with its parameters
         raise UsageError(f"in {_where(term, call, labels)}: {error}") from error

@@ -15,6 +15,7 @@ import numpy as np
 
 from moseg_core.components.chosen import PreparedComponent
 from moseg_core.components.discovery.specs import Kind
+from moseg_core.components.profile import stage
 from moseg_core.components.protocols import (
     Batch,
     Centers,
@@ -35,6 +36,7 @@ _STILL = 1e-9
 """How far a frozen centre may move where constraints are made to hold, in diagonals."""
 
 
+@stage("seeds and labels")
 def begin(
     evaluator: ProblemEvaluator,
     ready: Mapping[Kind, PreparedComponent],

@@ -21,6 +21,7 @@ from moseg_core.components.chosen import PreparedComponent
 from moseg_core.components.discovery.specs import ParameterizationSpec
 from moseg_core.components.faults import FAULTS, describe
 from moseg_core.components.parameters import PROVIDED, takes
+from moseg_core.components.profile import timed
 from moseg_core.components.protocols import Centers, Parameterization
 from moseg_core.components.requirements import demand
 from moseg_core.errors import REPORT, MosegError, PluginError
@@ -114,7 +115,9 @@ class CheckedParameterization:
             raise ValueError(
                 f"labels() takes vectors of shape (B, {len(self._lower)}), not {np.shape(vectors)}"
             )
-        labels = self._array("labels", vectors)
+        name, _, source = self._who.partition(" of ")
+        with timed("component", name.replace("'", ""), source):
+            labels = self._array("labels", vectors)
         expected = (len(vectors), self._shape.n_elements)
         if labels.shape != expected or not np.issubdtype(labels.dtype, np.integer):
             raise self._broken(

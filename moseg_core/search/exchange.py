@@ -24,6 +24,7 @@ from itertools import combinations
 import numpy as np
 
 from moseg_core.components.cost import Cost
+from moseg_core.components.profile import stage
 from moseg_core.search.evaluator import ProblemEvaluator
 from moseg_core.types import FloatArray, Int32Array, IntArray
 
@@ -63,6 +64,7 @@ def exchanged_vector(
     return (moved, found) if found < cost else (vector, cost)
 
 
+@stage("exchange of labels")
 def best_order(
     evaluator: ProblemEvaluator,
     vector: FloatArray,

@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 
 from moseg_core.components.chosen import PreparedComponent
+from moseg_core.components.profile import stage
 from moseg_core.components.protocols import Refiner, Report
 from moseg_core.errors import REPORT, MosegError, PluginError, ShapeError
 from moseg_core.problem.aggregate import Evaluation
@@ -98,6 +99,7 @@ class ReadyRefiner:
             said = probe(evaluator)
         return said if isinstance(said, str) else ""
 
+    @stage("refine")
     def refine(
         self,
         evaluator: ProblemEvaluator,

@@ -26,6 +26,7 @@ import numpy as np
 from moseg_core.components.chosen import PreparedComponent, prepare
 from moseg_core.components.discovery.registry import Registry
 from moseg_core.components.discovery.specs import Kind
+from moseg_core.components.profile import timed
 from moseg_core.components.protocols import Centers, Progress, Report
 from moseg_core.errors import MosegError, UsageError
 from moseg_core.problem.settings import SearchOptions
@@ -69,7 +70,8 @@ def searched_shape(shape: Shape, resolution: int | str, pins: Pins) -> Shape:
     """The shape to search on: a coarse one where that is clearly smaller."""
     if resolution == "full" or shape.n_elements <= _WORTH * int(resolution):
         return shape
-    coarse = coarsen(shape, int(resolution), pins=pins)
+    with timed("stage", "super-elements"):
+        coarse = coarsen(shape, int(resolution), pins=pins)
     return coarse if shape.n_elements > _WORTH * coarse.n_elements else shape
 
 

@@ -18,6 +18,7 @@ import numpy as np
 
 from moseg_core.components.chosen import PreparedComponent
 from moseg_core.components.cost import WORST, Cost
+from moseg_core.components.profile import timed
 from moseg_core.components.protocols import (
     Batch,
     Optimizer,
@@ -182,7 +183,8 @@ def go_on(
             history={**seeding, stage: run.earlier},
             warning=run.warning,
         )
-    reason = _ask_and_tell(run, search, evaluator, ready, report, deadline, until)
+    with timed("stage", stage):
+        reason = _ask_and_tell(run, search, evaluator, ready, report, deadline, until)
     with ready.guard():
         (found, cost), records = search.best, plain_records(search.history)
     return RunOutcome(

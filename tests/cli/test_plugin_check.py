@@ -76,3 +76,22 @@ def test_check_of_something_that_is_not_there(moseg):
     run = moseg("plugin", "check", "bsic")
     assert run.code == 2
     assert "did you mean 'basic'" in run.err
+
+
+def test_times_of_components(moseg, outcomes):
+    outcomes(1)
+    run = moseg("plugin", "check", "mds", "--time", "--json")
+    times = json.loads(run.out)["times"]
+    (embedding,) = [each for each in times if each["kind"] == "embedding"]
+    assert embedding["zoo"] > 0
+    shown = moseg("plugin", "check", "mds", "--time").out.splitlines()
+    assert any(line.split()[:2] == ["embedding", embedding["component"]] for line in shown)
+    assert "times" not in json.loads(moseg("plugin", "check", "mds", "--json").out)
+
+
+def test_a_bundle_that_cannot_be_timed_is_named(moseg, outcomes):
+    outcomes(1)
+    run = moseg("plugin", "check", "acme", "--time")
+    assert run.code == 1
+    assert "'acme' could not be timed: " in run.err
+    assert "Traceback" not in run.err

@@ -39,6 +39,7 @@ from moseg_core.components.discovery.distributions import (
 from moseg_core.components.discovery.hookspecs import HOOKS
 from moseg_core.components.discovery.specs import NAME, Kind, Spec
 from moseg_core.components.faults import FAULTS, describe, summary
+from moseg_core.components.profile import timed
 from moseg_core.errors import REPORT, MosegError, PluginError, UsageError, nearest, unknown
 
 
@@ -81,7 +82,7 @@ class Component:
         component. So do errors of the operating system about the file that a reader reads.
         """
         try:
-            with at_work(self.who):
+            with at_work(self.who), timed("component", f"{self.kind} {self.id}", self.distribution):
                 yield
         except MosegError:
             raise
