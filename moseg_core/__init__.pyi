@@ -4,6 +4,7 @@ from moseg_core.clipping.clip import Clipped as Clipped
 from moseg_core.clipping.clip import clip_boundaries as clip_boundaries
 from moseg_core.components.boundary import Boundaries as Boundaries
 from moseg_core.components.boundary import Boundary as Boundary
+from moseg_core.components.callback_optimizer import CallbackOptimizer as CallbackOptimizer
 from moseg_core.components.chosen import Choice as Choice
 from moseg_core.components.constraint_function import constraint as constraint
 from moseg_core.components.cost import Cost as Cost
