@@ -162,7 +162,7 @@ def _shapes() -> Iterator[tuple[str, Shape, list[Int32Array]]]:
         yield "zoo", shape, [slicings(shape)["halves"]]
     for name in SAMPLES:
         shape = load(sample_path(name))
-        labels = read_labels(sample_labels_path(name), shape.n_elements).labels
+        labels = read_labels(sample_labels_path(name), shape).labels
         yield "samples", shape, [labels.astype("int32")]
 
 
