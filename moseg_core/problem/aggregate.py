@@ -247,7 +247,7 @@ def _computed(
         with (
             at_work(doing),
             under_watch(doing),
-            timed("term", str(term.term), term.distribution),
+            timed("term", term.written, term.distribution),
         ):
             returned = term.objective(subject, **term.parameters)
     except UsageError as error:  # it says what is wrong with its parameters

@@ -58,6 +58,11 @@ class BoundTerm:
     space: str = "original"
 
     @cached_property
+    def written(self) -> str:
+        """The term as text, made once: it is needed with every call."""
+        return str(self.term)
+
+    @cached_property
     def weight(self) -> float:
         """The factor before the term, with its sign."""
         return self.term.weight
