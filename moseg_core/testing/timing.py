@@ -27,7 +27,7 @@ from moseg_core.samples import SAMPLES, sample_labels_path, sample_path
 from moseg_core.shape.shape import Shape
 from moseg_core.testing.check import Subject
 from moseg_core.testing.fixtures.drivers import DRIVERS, drive
-from moseg_core.testing.fixtures.field_values import required_by_fields
+from moseg_core.testing.fixtures.field_values import required_elsewhere
 from moseg_core.testing.fixtures.objective_values import calls_on, segmented
 from moseg_core.testing.fixtures.shapes import slicings, specimen
 from moseg_core.testing.fixtures.trial import required
@@ -140,7 +140,7 @@ def _calls(subject: Subject) -> Iterator[tuple[str, Callable[[], int]]]:
         target(specimen("lump"), **parameters)  # compiles what is compiled
         lacking: tuple[str, ...] = getattr(subject.component.spec, "requires", ())
     else:
-        lacking = tuple(required_by_fields(subject))
+        lacking = tuple(required_elsewhere(subject))
     for group, shape, labellings in _shapes():
         if any(lack(shape, requirement) for requirement in lacking):  # type: ignore[arg-type]
             continue

@@ -10,8 +10,8 @@ import pytest
 from moseg_core.problem.settings import Method
 from moseg_core.problem.statement import Statement
 from moseg_core.search import label_set_trial as module
-from moseg_core.search import restarts
 from moseg_core.search.variants import segment_variants, tried_sets
+from moseg_core.shape import coarse
 from moseg_core.shape.shape import Shape
 from tests.shapes import solid
 
@@ -74,14 +74,14 @@ def test_of_many_the_better_half_goes_on(resolution):
 def test_the_coarse_shape_is_made_once(monkeypatch):
     made = []
 
-    def counted(shape, *arguments, **more):
-        made.append(shape)
-        return coarsen(shape, *arguments, **more)
+    def counted(shape, members, resolution):
+        made.append(resolution)
+        return grouped(shape, members, resolution)
 
-    coarsen = restarts.coarsen
-    monkeypatch.setattr(restarts, "coarsen", counted)
+    grouped = coarse.grouped
+    monkeypatch.setattr(coarse, "grouped", counted)
     segment_variants(row(3), BOXES, resolution=40, **QUICK)
-    assert len(made) == 1
+    assert made == ["coarse40"]
 
 
 def test_starts_are_shared_unless_somebody_says_how_many(monkeypatch):
