@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial import ConvexHull
 
-from moseg_core.problem.problem import lack
+from moseg_core.components.requirements import lack
 from moseg_core.shape.shape import Shape
 from moseg_core.shape.subshape import subshape
 from tests import shapes
