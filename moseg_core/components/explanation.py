@@ -86,8 +86,9 @@ def explain_component(component: Component) -> Explained:
     --------
     >>> from moseg_core.components.discovery.registry import registry
     >>> found = explain_component(registry().find("seeder", "kmeans"))
-    >>> [(p.name, p.default, str(p.interval), found.said[p.name]) for p in found.parameters]
-    [('rounds', 100, '1 or more', 'Most rounds to run.')]
+    >>> rounds = found.parameters[0]
+    >>> rounds.name, rounds.default, str(rounds.interval), found.said["rounds"]
+    ('rounds', 100, '1 or more', 'Most rounds to run.')
     """
     target = component.load()
     if component.kind == "recipe" or not callable(target):

@@ -185,7 +185,10 @@ def strip(count):
 
 
 def klein_bottle(n):
-    """A torus glued to itself the wrong way round: closed, with one side."""
+    """A torus glued to itself the wrong way round: closed, with one side.
+
+    With an odd number, no two vertices meet where it goes through itself.
+    """
     u, v = np.meshgrid(2 * np.pi * np.arange(n) / n, 2 * np.pi * np.arange(n) / n, indexing="ij")
     r = 4 + np.cos(u / 2) * np.sin(v) - np.sin(u / 2) * np.sin(2 * v)
     z = np.sin(u / 2) * np.sin(v) + np.cos(u / 2) * np.sin(2 * v)
@@ -238,7 +241,7 @@ WRONG = {
         "boundary edges), and ", "winding", 2.0,
     ),
     "a Klein bottle": (
-        klein_bottle(24), "it has one side only", "hull", None,
+        klein_bottle(25), "it has one side only", "hull", None,
     ),
     "a Moebius strip": (
         strip(20), "boundary edges), and has one side only", "hull", None,
