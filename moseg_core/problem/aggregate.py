@@ -242,34 +242,29 @@ def _computed(
     """The value of a call; parts are made only here, where it is not remembered."""
     subject = _subject(term, call, segmentation)
     who = f"objective '{term.id}' of {term.distribution}"
-    doing = f"{who} in {_where(term, call, labels)}"
+    where = _where(term, call, labels)
+    doing = f"{who} in {where}"
     try:
-        with (
-            at_work(doing),
-            under_watch(doing),
-            timed("term", term.written, term.distribution),
-        ):
+        with at_work(doing), under_watch(doing), timed("term", term.written, term.distribution):
             returned = term.objective(subject, **term.parameters)
     except UsageError as error:  # it says what is wrong with its parameters
-        raise UsageError(f"in {_where(term, call, labels)}: {error}") from error
+        raise UsageError(f"in {where}: {error}") from error
     except LackError as error:  # what a measure or field requires that was not declared
-        raise LackError(f"in {_where(term, call, labels)}: {error}") from error
+        raise LackError(f"in {where}: {error}") from error
     except PluginError as error:  # it names another component, such as a measure
-        raise PluginError(f"in {_where(term, call, labels)}: {error}") from error
+        raise PluginError(f"in {where}: {error}") from error
     except FAULTS as error:
-        raise PluginError(
-            f"{who} failed in {_where(term, call, labels)}: {describe(error)}; {REPORT}"
-        ) from error
+        raise PluginError(f"{who} failed in {where}: {describe(error)}; {REPORT}") from error
     value = real_number(returned)
     if value is None:
         raise PluginError(
-            f"{who} returned {described(returned)} in {_where(term, call, labels)}; a value must be"
-            f" a real number, such as float(...) makes; {REPORT}"
+            f"{who} returned {described(returned)} in {where}; a value must be a real number, such"
+            f" as float(...) makes; {REPORT}"
         )
     low, high = term.objective.traits.range
     if math.isfinite(value) and low <= value <= high:
         return value
-    return _in_range(value, term, _where(term, call, labels))
+    return _in_range(value, term, where)
 
 
 def _subject(term: BoundTerm, call: tuple[int, ...], segmentation: Segmentation) -> object:

@@ -42,13 +42,12 @@ from moseg_core.search.restarts import (
     Plan,
     carry_out,
     disagreement,
+    on_level,
     polisher,
-    searched_shape,
     shared_budget,
 )
 from moseg_core.search.result import REFINE, Result, find_warnings
 from moseg_core.search.run import RunOutcome
-from moseg_core.shape.coarse import coarse_pins
 from moseg_core.shape.pins import read_pins
 from moseg_core.shape.shape import Shape
 from moseg_core.types import IntArray
@@ -211,9 +210,9 @@ def solve(
     lacking = "" if refiner is None else refiner.check(whole)
     listener = Listener(report or never_stop)
 
-    coarse = fine = _on_level(whole, settled.resolution, ready["parameterization"])
+    coarse = fine = on_level(whole, settled.resolution, ready["parameterization"])
     if coarse is not whole:
-        fine = _on_level(whole, FINER * int(settled.resolution), ready["parameterization"])
+        fine = on_level(whole, FINER * int(settled.resolution), ready["parameterization"])
         if settled.settings == "default":
             ready["optimizer"] = ready["optimizer"].tuned("coarse")
     plan = Plan(
@@ -250,18 +249,6 @@ def solve(
         failure.result = result
         raise failure
     return result
-
-
-def _on_level(
-    whole: ProblemEvaluator, resolution: int | str, parameterization: PreparedComponent
-) -> ProblemEvaluator:
-    """The evaluator on about so many super-elements; the same where those would hardly be fewer."""
-    level = searched_shape(whole.shape, resolution, whole.pins)
-    if level is whole.shape:
-        return whole
-    partition = make_partition(parameterization, level, whole.problem)
-    pins = coarse_pins(whole.pins, level)
-    return ProblemEvaluator(level, whole.problem, partition, pins=pins, input=whole)
 
 
 def _labelled(whole: ProblemEvaluator, best: RunOutcome) -> Refinement:

@@ -36,7 +36,9 @@ from moseg_core.types import FloatArray, Int32Array, IntArray
 MIDDLE = 40_000
 """By way of so many super-elements shapes of clearly more elements are grouped."""
 
-_WORTH = 1.5
+WORTH = 1.5
+"""Super-elements are used where there are fewer of them by this factor."""
+
 _ROUNDS = 3
 _NEAR = 6
 
@@ -79,11 +81,11 @@ def coarsen(shape: Shape, n_elements: int = 2000, *, pins: Pins = NO_PINS) -> Sh
 
 def _in_two_steps(shape: Shape, n: int, pins: Pins) -> IntArray:
     """(F,) int: the group of each element; of a large shape, of groups of its elements."""
-    if shape.n_elements <= _WORTH * MIDDLE or n > MIDDLE // 2:
+    if shape.n_elements <= WORTH * MIDDLE or n > MIDDLE // 2:
         return _in_one_step(shape, n, pins)
     middle = coarsen(shape, MIDDLE, pins=pins)
     assert middle.members is not None  # a coarse shape
-    if shape.n_elements <= _WORTH * middle.n_elements:  # a surface in very many bits
+    if shape.n_elements <= WORTH * middle.n_elements:  # a surface in very many bits
         return _in_one_step(shape, n, pins)
     groups: IntArray = _in_one_step(middle, n, coarse_pins(pins, middle))[middle.members]
     return groups

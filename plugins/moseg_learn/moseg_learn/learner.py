@@ -34,7 +34,8 @@ _SEARCH = Method(
 """How a learned recipe is searched: bodies of several cells, small parts found by their size.
 
 A body, a head, four legs and a tail of up to three cells have 60 coordinates and more. Several
-moves at once and steps that never grow take a fifth of the evaluations, and end 1 % higher.
+moves at once and steps that never grow took 18 to 63 % of the evaluations on a teddy, an armadillo
+and a machine part, the less the more coordinates, and ended 1 to 3 % higher before the polish.
 """
 
 _PLACES = 2.0

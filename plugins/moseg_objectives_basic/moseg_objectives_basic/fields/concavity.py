@@ -39,7 +39,8 @@ CHEAP, DEAR = 0.15, 1.5
 """Least and greatest weight of a piece of boundary, by its concavity."""
 
 _MOST = 40_000
-"""A larger surface is looked at in so many groups: a fifth of the usual radius, or less, across."""
+"""A larger surface is looked at in so many groups: an eighth to a third of the usual radius across,
+on a hammer, a cow and a cup."""
 
 _LARGE = 1.5 * _MOST
 
@@ -65,6 +66,9 @@ def concavity(shape: Shape, *, radius: Annotated[float, Interval(1e-4, 1)] = 0.0
     -----
     The minima rule of Hoffman and Richards 1984, doi:10.1016/0010-0277(84)90022-2. A crease shows
     in the elements along it; it comes out lower where these are larger than the radius.
+
+    On more than 60,000 elements it is that of 40,000 groups of them, whose value all elements of a
+    group have.
 
     Examples
     --------
