@@ -37,14 +37,16 @@ def run_check(bundle: str, *, as_json: bool, timeout: float, timed: bool = False
     with _status() as announce:
         report = watch_checks(bundle, timeout=timeout, report=announce)
     load_checks()
-    times = _times(bundle) if timed else []
+    seconds = timeout * max(1, len({found.component for found in report.outcomes}))
     if as_json:
-        print_json(_document(report) | ({"times": times} if timed else {}))
+        more = {"times": _times(bundle, seconds)} if timed else {}
+        print_json(_document(report) | more)
     else:
-        if timed:
-            console(sys.stdout).print(_times_table(times))
-            print()
         _print(report, console(sys.stdout))
+        if timed:
+            times = _times(bundle, seconds)
+            print()
+            console(sys.stdout).print(_times_table(times))
     failed = sum(found.status == "failed" for found in report.outcomes)
     if failed:
         raise PluginError(
@@ -132,10 +134,23 @@ def _counted(count: int, noun: str) -> str:
     return f"{count} {noun}{'' if count == 1 else 's'}"
 
 
-def _times(bundle: str) -> list[dict[str, Any]]:
+def _times(bundle: str, seconds: float) -> list[dict[str, Any]]:
     """What :mod:`moseg_core.testing.timing` says of a bundle, in a process of its own."""
     command = [sys.executable, "-m", "moseg_core.testing.timing", bundle]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    try:
+        done = subprocess.run(
+            command,
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            text=True,
+            check=False,
+            timeout=seconds,
+        )
+    except subprocess.TimeoutExpired:
+        raise PluginError(
+            f"the components of '{bundle}' could not be timed in {seconds:g} s; give more by"
+            " --timeout"
+        ) from None
     lines = done.stdout.splitlines()
     if done.returncode or not lines:
         words = (done.stderr.strip().splitlines() or ["the process ended"])[-1]

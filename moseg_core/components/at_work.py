@@ -6,8 +6,8 @@ nothing in that process can say anything any more. A worker process
 shares with the process that asked (:func:`note_in`), and that one reads it
 (:func:`noted`) when the worker is gone. Elsewhere nothing is written.
 
-Every call of a component passes here: those that
-:class:`~moseg_core.components.discovery.registry.Component` guards, terms, constraints, partitions.
+Every call that computes something passes here: terms, and components, constraints and partitions
+by way of :func:`~moseg_core.components.faults.guarded`.
 """
 
 from __future__ import annotations

@@ -51,6 +51,8 @@ class _Conversation:
 
     def __init__(self, minimize: Minimize, start: FloatArray, value: FloatArray) -> None:
         self.over = False
+        #: Ends it when the optimizer goes; held until then, and not for longer than it lasts.
+        self.release: weakref.finalize[..., Any] | None = None
         self._known: tuple[FloatArray, FloatArray] | None = (start.copy(), value)
         self._questions: queue.SimpleQueue[Any] = queue.SimpleQueue()
         self._answers: queue.SimpleQueue[Any] = queue.SimpleQueue()
@@ -93,6 +95,9 @@ class _Conversation:
         self._answers.put(None)
         if self._thread is not threading.current_thread():
             self._thread.join()
+        _GOING.discard(self)
+        if self.release is not None:
+            self.release.detach()
 
 
 def _talk(
@@ -288,7 +293,7 @@ class CallbackOptimizer:
         worker.rng = np.random.default_rng(self._seed)
         (_, known), *told = self._told
         conversation = _Conversation(worker.minimize, self._start.copy(), known)
-        weakref.finalize(self, conversation.end)
+        conversation.release = weakref.finalize(self, conversation.end)
         for question, values in told:
             said = conversation.question()
             if said is None or not np.array_equal(said, question):

@@ -1,13 +1,14 @@
 """What a component may raise, and how that is told: in one line, with the author's own line.
 
 Components are strangers' code. Whoever calls one catches :data:`FAULTS`, says which component it
-was, and raises a :class:`~moseg_core.errors.PluginError` from what was caught. The line that the
+was, and raises a :class:`~moseg_core.errors.PluginError` from what was caught, as
+:func:`guarded` does. The line that the
 user then reads ends with :func:`describe`: kind, message, and the innermost line of the author's
 own package, which is where the author begins to look. Deeper frames are of the libraries that the
 line called, and frames above it are of the core.
 
-:class:`~moseg_core.components.discovery.registry.Component` guards most calls; terms, constraints
-and partitions have words of their own.
+Whatever computes something is also noted as at work (:mod:`~moseg_core.components.at_work`) and
+timed (:mod:`~moseg_core.components.profile`); terms, which are many, have words of their own.
 """
 
 from __future__ import annotations
@@ -16,9 +17,13 @@ import linecache
 import os
 import sys
 import traceback
+from collections.abc import Iterator
+from contextlib import contextmanager
 from types import FrameType
 
-from moseg_core.errors import MosegError
+from moseg_core.components.at_work import at_work
+from moseg_core.components.profile import timed
+from moseg_core.errors import REPORT, MosegError, PluginError
 
 FAULTS: tuple[type[BaseException], ...] = (Exception, SystemExit)
 """What a component's call is guarded against: ``sys.exit()`` too, but not Ctrl-C."""
@@ -28,6 +33,42 @@ _BYSTANDERS = {"moseg_core", "pluggy", "numpy", "scipy", "numba"} | set(sys.stdl
 
 #: Characters of a source line that are shown.
 _LONGEST = 80
+
+
+@contextmanager
+def guarded(
+    who: str,
+    how: str = "failed",
+    *,
+    name: str,
+    source: str,
+    passes: tuple[type[BaseException], ...] = (MosegError,),
+) -> Iterator[None]:
+    """A context for the call of a component, whose faults become errors that name it.
+
+    Parameters
+    ----------
+    who : str
+        The component and where it comes from, for messages.
+    how : str
+        What it did, ``"cannot be made"``.
+    name, source : str
+        What it is called in a profile, and the distribution that it comes from.
+    passes : tuple of types
+        Errors that say already what is wrong, such as moseg's own.
+
+    Raises
+    ------
+    PluginError
+        Anything else was raised.
+    """
+    try:
+        with at_work(who), timed("component", name, source):
+            yield
+    except passes:
+        raise
+    except FAULTS as error:
+        raise PluginError(f"{who} {how}: {describe(error)}; {REPORT}") from error
 
 
 def summary(error: BaseException) -> str:

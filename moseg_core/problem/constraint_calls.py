@@ -12,13 +12,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from moseg_core.components.at_work import at_work
 from moseg_core.components.constraint_function import FunctionConstraint
 from moseg_core.components.discovery.registry import Component, Registry
-from moseg_core.components.faults import FAULTS, describe
+from moseg_core.components.faults import guarded
 from moseg_core.components.parameters import declared_parameters
 from moseg_core.components.protocols import Constraint
-from moseg_core.errors import REPORT, ExpressionError, MosegError, PluginError, UsageError
+from moseg_core.errors import REPORT, ExpressionError, PluginError, UsageError
 from moseg_core.language import Argument, Table, Term, parse_call
 from moseg_core.problem.binding import chosen_labels, chosen_parameters
 from moseg_core.shape.shape import Shape
@@ -80,15 +79,9 @@ class BoundConstraint:
         PluginError
             It fails; says which constraint and how.
         """
-        try:
-            with at_work(f"constraint '{self.id}' of {self.distribution}"):
-                return method(*arguments)
-        except MosegError:
-            raise
-        except FAULTS as error:
-            raise PluginError(
-                f"constraint '{self.id}' of {self.distribution} failed: {describe(error)}"
-            ) from error
+        who = f"constraint '{self.id}' of {self.distribution}"
+        with guarded(who, name=f"constraint {self.id}", source=self.distribution):
+            return method(*arguments)
 
     @property
     def role(self) -> tuple[Any, ...]:

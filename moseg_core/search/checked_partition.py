@@ -16,15 +16,13 @@ from typing import Any, cast
 
 import numpy as np
 
-from moseg_core.components.at_work import at_work
 from moseg_core.components.chosen import PreparedComponent
 from moseg_core.components.discovery.specs import ParameterizationSpec
-from moseg_core.components.faults import FAULTS, describe
+from moseg_core.components.faults import guarded
 from moseg_core.components.parameters import PROVIDED, takes
-from moseg_core.components.profile import timed
 from moseg_core.components.protocols import Centers, Parameterization
 from moseg_core.components.requirements import demand
-from moseg_core.errors import REPORT, MosegError, PluginError
+from moseg_core.errors import REPORT, PluginError
 from moseg_core.problem.problem import Problem
 from moseg_core.shape.shape import Shape
 from moseg_core.types import FloatArray, Int32Array, IntArray, frozen
@@ -42,6 +40,8 @@ class CheckedParameterization:
         The one that it was made for.
     who : str
         The component and where it comes from, for messages.
+    name, source : str
+        What it is called in a profile, and the distribution that it comes from.
 
     Raises
     ------
@@ -61,8 +61,17 @@ class CheckedParameterization:
     moseg_core.errors.PluginError: 'acme:third' gave labels from 2 to 2, and must give 0 to 1; ...
     """
 
-    def __init__(self, inner: Any, shape: Shape, *, who: str) -> None:
+    def __init__(
+        self,
+        inner: Any,
+        shape: Shape,
+        *,
+        who: str,
+        name: str = "parameterization",
+        source: str = "",
+    ) -> None:
         self._inner, self._shape, self._who = inner, shape, who
+        self._name, self._source = name, source
         self._n_parts = self._whole_number()
         bounds = [self._numbers(name) for name in ("lower", "upper", "scale")]
         self._lower, self._upper, self._scale = bounds
@@ -115,9 +124,7 @@ class CheckedParameterization:
             raise ValueError(
                 f"labels() takes vectors of shape (B, {len(self._lower)}), not {np.shape(vectors)}"
             )
-        name, _, source = self._who.partition(" of ")
-        with timed("component", name.replace("'", ""), source):
-            labels = self._array("labels", vectors)
+        labels = self._array("labels", vectors)
         expected = (len(vectors), self._shape.n_elements)
         if labels.shape != expected or not np.issubdtype(labels.dtype, np.integer):
             raise self._broken(
@@ -240,25 +247,12 @@ class CheckedParameterization:
             raise self._broken(f"must return an array from {name}()") from None
 
     def _call(self, name: str, *given: Any) -> Any:
-        try:
-            with at_work(self._who):
-                return getattr(self._inner, name)(*given)
-        except MosegError:  # it says who is to blame
-            raise
-        except FAULTS as error:
-            raise PluginError(
-                f"{self._who} failed in {name}(): {describe(error)}; {REPORT}"
-            ) from error
+        with guarded(self._who, f"failed in {name}()", name=self._name, source=self._source):
+            return getattr(self._inner, name)(*given)
 
     def _attribute(self, name: str) -> Any:
-        try:
+        with guarded(self._who, f"cannot say its {name}", name=self._name, source=self._source):
             return getattr(self._inner, name)
-        except MosegError:
-            raise
-        except FAULTS as error:
-            raise PluginError(
-                f"{self._who} cannot say its {name}: {describe(error)}; {REPORT}"
-            ) from error
 
     def _whole_number(self) -> int:
         found = self._attribute("n_parts")
@@ -295,8 +289,10 @@ def checked(parameterization: Parameterization, shape: Shape) -> CheckedParamete
     """A parameterization behind the adapter; one of the calling program is named by its class."""
     if isinstance(parameterization, CheckedParameterization):
         return parameterization
-    who = f"parameterization {type(parameterization).__name__} of the calling program"
-    return CheckedParameterization(parameterization, shape, who=who)
+    name, source = f"parameterization {type(parameterization).__name__}", "the calling program"
+    return CheckedParameterization(
+        parameterization, shape, who=f"{name} of {source}", name=name, source=source
+    )
 
 
 def make_partition(
@@ -332,7 +328,13 @@ def make_partition(
         for name in PROVIDED["parameterization"]
         if takes(ready.factory, name)
     }
-    made = CheckedParameterization(ready.make(shape, n_parts, **told), shape, who=ready.who)
+    made = CheckedParameterization(
+        ready.make(shape, n_parts, **told),
+        shape,
+        who=ready.who,
+        name=f"parameterization {ready.component.id}",
+        source=ready.component.distribution,
+    )
     if made.n_parts != n_parts:
         raise PluginError(
             f"{ready.who} was asked for {n_parts} parts, and makes {made.n_parts}; {REPORT}"

@@ -17,8 +17,8 @@ from moseg_core.clipping.bisector import Bisectors
 from moseg_core.clipping.boundaries import Boundaries, DistanceField
 from moseg_core.clipping.clip import check_clippable, clip_along
 from moseg_core.components.chosen import Choice, PreparedComponent, prepare
+from moseg_core.components.discovery.registry import NOT_INSTALLED
 from moseg_core.components.discovery.specs import Kind
-from moseg_core.components.discovery.uninstalled import NOT_INSTALLED
 from moseg_core.errors import UsageError
 from moseg_core.problem.problem import Problem
 from moseg_core.search.checked_partition import make_partition

@@ -21,11 +21,12 @@ from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from moseg_core.components.faults import FAULTS, describe
 from moseg_core.components.requirements import lack
 from moseg_core.io import load, read_labels
 from moseg_core.samples import SAMPLES, sample_labels_path, sample_path
 from moseg_core.shape.shape import Shape
-from moseg_core.testing.check import Subject
+from moseg_core.testing.check import Skip, Subject
 from moseg_core.testing.fixtures.drivers import DRIVERS, drive
 from moseg_core.testing.fixtures.field_values import required_elsewhere
 from moseg_core.testing.fixtures.objective_values import calls_on, segmented
@@ -74,12 +75,15 @@ def time_bundle(bundle: Any, *, clock: Callable[[], float] = time.perf_counter) 
 
     Parameters
     ----------
-    bundle : str, Spec or callable
+    bundle : str, Spec or objective
         See :func:`moseg_core.testing.cases_of`.
     clock : callable
         The time in seconds.
     """
-    subjects = {case.subject.component.id: case.subject for case in cases_of(bundle)}
+    subjects = {
+        (case.subject.component.kind, case.subject.component.id): case.subject
+        for case in cases_of(bundle)
+    }
     return [
         _timed(subject, clock) for subject in subjects.values() if subject.component.kind in DRIVERS
     ]
@@ -98,8 +102,10 @@ def _timed(subject: Subject, clock: Callable[[], float]) -> Timing:
                 began = clock()
                 count = call()
                 seconds[group] += [(clock() - began) / count] * count
-        except Exception as error:  # noqa: BLE001  # a stranger's component may raise anything
-            declared, note = "", f"{type(error).__name__}: {error}"
+        except Skip as reason:  # what it needs nobody can guess
+            declared, note = "", str(reason)
+        except FAULTS as error:
+            declared, note = "", describe(error)
     mean = {g: 1e6 * sum(found) / len(found) if found else None for g, found in seconds.items()}
     return Timing(
         component=subject.component.id,
@@ -138,11 +144,9 @@ def _calls(subject: Subject) -> Iterator[tuple[str, Callable[[], int]]]:
 
     if kind == "field":
         target(specimen("lump"), **parameters)  # compiles what is compiled
-        lacking: tuple[str, ...] = getattr(subject.component.spec, "requires", ())
-    else:
-        lacking = tuple(required_elsewhere(subject))
+    lacking = required_elsewhere(subject)
     for group, shape, labellings in _shapes():
-        if any(lack(shape, requirement) for requirement in lacking):  # type: ignore[arg-type]
+        if any(lack(shape, requirement) for requirement in lacking):
             continue
         if kind == "field":
             yield group, once(shape)

@@ -162,6 +162,7 @@ def words(name: str, kind: str) -> dict[str, str]:
         "MY_NAME": name,
         "MY_COMPONENT": sketch.component,
         "MY_SUMMARY": sketch.summary,
+        "MY_SENTENCE": sketch.summary.rstrip(".") + ".",
         "MY_KIND": kind,
         "MY_NEEDS": "".join(f', "{needed}>={VERSION}"' for needed in sketch.needs),
         "MY_USE": re.sub(r"\n +--", r" \\\g<0>", "\n".join(f"    {line}" for line in sketch.use)),

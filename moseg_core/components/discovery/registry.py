@@ -18,7 +18,7 @@ import importlib
 import inspect
 import os
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from importlib import metadata
@@ -27,7 +27,6 @@ from typing import Any
 
 import pluggy
 
-from moseg_core.components.at_work import at_work
 from moseg_core.components.discovery import contract, hookspecs
 from moseg_core.components.discovery.distributions import (
     Claim,
@@ -38,9 +37,11 @@ from moseg_core.components.discovery.distributions import (
 )
 from moseg_core.components.discovery.hookspecs import HOOKS
 from moseg_core.components.discovery.specs import NAME, Kind, Spec
-from moseg_core.components.faults import FAULTS, describe, summary
-from moseg_core.components.profile import timed
-from moseg_core.errors import REPORT, MosegError, PluginError, UsageError, nearest, unknown
+from moseg_core.components.faults import FAULTS, describe, guarded, summary
+from moseg_core.errors import MosegError, PluginError, UsageError, nearest, unknown
+
+NOT_INSTALLED = "not installed"
+"""In the place of the distribution that a component comes from, where no bundle brings it."""
 
 
 @dataclass(frozen=True)
@@ -72,24 +73,23 @@ class Component:
     @property
     def who(self) -> str:
         """The component and where it comes from, for messages."""
-        return f"{self.kind} '{self.id}' of {self.distribution}"
+        missing = self.distribution == NOT_INSTALLED
+        origin = ", which is not installed," if missing else f" of {self.distribution}"
+        return f"{self.kind} '{self.id}'{origin}"
 
-    @contextmanager
-    def guard(self, what: str = "failed") -> Iterator[None]:
+    def guard(self, what: str = "failed") -> AbstractContextManager[None]:
         """Turn whatever the component raises into a PluginError that names it.
 
         moseg's own errors pass: they say what is wrong with the request or with another
         component. So do errors of the operating system about the file that a reader reads.
         """
-        try:
-            with at_work(self.who), timed("component", f"{self.kind} {self.id}", self.distribution):
-                yield
-        except MosegError:
-            raise
-        except FAULTS as error:
-            if isinstance(error, OSError) and self.kind == "reader":
-                raise
-            raise PluginError(f"{self.who} {what}: {describe(error)}; {REPORT}") from error
+        return guarded(
+            self.who,
+            what,
+            name=f"{self.kind} {self.id}",
+            source=self.distribution,
+            passes=(MosegError, OSError) if self.kind == "reader" else (MosegError,),
+        )
 
     def load(self) -> Any:
         """Import the component's module and return the object that its target names.
@@ -104,8 +104,8 @@ class Component:
             return getattr(importlib.import_module(module_name), attribute)
         except FAULTS as error:
             raise PluginError(
-                f"{self.kind} '{self.id}' of {self.distribution} cannot be loaded from"
-                f" '{self.spec.target}': {describe(error)}; update or reinstall it"
+                f"{self.who} cannot be loaded from '{self.spec.target}': {describe(error)}; update"
+                " or reinstall it"
             ) from error
 
 

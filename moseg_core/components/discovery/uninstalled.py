@@ -15,12 +15,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from moseg_core.components.discovery.hookspecs import HOOKS
-from moseg_core.components.discovery.registry import Component
+from moseg_core.components.discovery.registry import NOT_INSTALLED, Component
 from moseg_core.components.discovery.specs import NAME, Kind, Spec
 from moseg_core.errors import UsageError
-
-NOT_INSTALLED = "not installed"
-"""In the place of the distribution that a component comes from."""
 
 _SPECS: dict[Kind, type[Spec]] = dict(HOOKS.values())
 
@@ -44,11 +41,6 @@ class UninstalledComponent(Component):
     def id(self) -> str:
         """``module:Class``, as :func:`qualified_name` says."""
         return qualified_name(self.target)
-
-    @property
-    def who(self) -> str:
-        """The component, for messages."""
-        return f"{self.kind} '{self.id}', which is not installed,"
 
     def load(self) -> Callable[..., Any]:
         """The class or function itself."""

@@ -18,8 +18,8 @@ from functools import lru_cache
 from typing import Any, get_args
 
 from moseg_core.components import protocols
+from moseg_core.components.discovery.registry import NOT_INSTALLED
 from moseg_core.components.discovery.specs import Invariance, Kind, Requirement
-from moseg_core.components.discovery.uninstalled import NOT_INSTALLED
 from moseg_core.components.faults import FAULTS, describe
 from moseg_core.components.objectives import COST_ORDER, Arity, Traits
 from moseg_core.components.parameters import Parameter

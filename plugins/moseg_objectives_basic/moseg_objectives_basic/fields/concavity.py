@@ -16,7 +16,7 @@ The value is ``-2 r k`` with the least eigenvalue ``k`` of ``S``, the curvature 
 direction: in a crease that turns by the angle ``t`` about ``2 sin(t / 2)``, on a ball of radius
 ``R`` it is ``-2 r / R``, on a cylinder and a plane 0.
 
-Of a surface of many elements it is that of some ten thousand groups of them
+Of a surface of many elements it is that of some forty thousand groups of them
 (:mod:`moseg_objectives_basic.fields.places`), which are smaller than the radius.
 """
 
