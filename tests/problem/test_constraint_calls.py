@@ -7,6 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from moseg_core.components.constraint_function import FunctionConstraint
+from moseg_core.components.profile import profiling
 from moseg_core.components.protocols import Constraint
 from moseg_core.errors import ExpressionError, PluginError, UsageError
 from moseg_core.language import Argument, Table, Term
@@ -123,6 +124,16 @@ def test_a_function_is_a_constraint_on_all_labels_or_those_given():
     assert (whole.labels, whole.id) == ((0, 1), "python:pair")
     assert isinstance(whole.make(None), Constraint)
     assert isinstance(pair.__doc__, str)
+
+
+def test_what_a_constraint_answers_is_timed_and_its_faults_name_it():
+    (rule,) = bound("mirror(leg2, leg1)")
+    with profiling() as profile:
+        assert rule.call(lambda k: k + 1, 1) == 2
+        with pytest.raises(PluginError, match="constraint 'test:mirror' of tests 1.*ZeroDivision"):
+            rule.call(lambda: 1 / 0)
+    (entry,) = profile.of("component")
+    assert (entry[0], entry[2].calls) == ("constraint test:mirror", 2)
 
 
 def test_a_problem_checks_its_constraints_when_it_is_made():
