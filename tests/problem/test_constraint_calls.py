@@ -130,7 +130,7 @@ def test_what_a_constraint_answers_is_timed_and_its_faults_name_it():
     (rule,) = bound("mirror(leg2, leg1)")
     with profiling() as profile:
         assert rule.call(lambda k: k + 1, 1) == 2
-        with pytest.raises(PluginError, match="constraint 'test:mirror' of tests 1.*ZeroDivision"):
+        with pytest.raises(PluginError, match=r"constraint 'test:mirror' of tests 1.*ZeroDivision"):
             rule.call(lambda: 1 / 0)
     (entry,) = profile.of("component")
     assert (entry[0], entry[2].calls) == ("constraint test:mirror", 2)
