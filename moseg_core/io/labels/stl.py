@@ -11,14 +11,12 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import numpy.typing as npt
 
 from moseg_core.io.labels.listing import Listing, Wanted, middles, numbered_names
 from moseg_core.io.read.checked import file_error, read_file
-from moseg_core.io.read.stl import read_stl
+from moseg_core.io.read.stl import read_stl, stl_contents
 from moseg_core.types import FloatArray
-
-_HEADER = 84
-_TRIANGLE = np.dtype([("numbers", "<f4", 12), ("attribute", "<u2")])
 
 
 def read_stl_labels(path: Path, wanted: Wanted) -> Listing:
@@ -48,14 +46,12 @@ def read_stl_labels(path: Path, wanted: Wanted) -> Listing:
     ([0, 1], ('leg', 'body'))
     """
     places = middles(read_stl(path).geometry)
-    data = read_file(path)
-    count = int.from_bytes(data[_HEADER - 4 : _HEADER], "little")
-    whole = len(data) == _HEADER + count * _TRIANGLE.itemsize
-    if whole or data.lstrip()[:5].lower() != b"solid" or b"\0" in data:
-        return _of_attributes(path, data, places)
+    found = stl_contents(path, read_file(path))
+    if found.records is not None:
+        return _of_attributes(path, found.records["attribute"], places)
     solids: list[str] = []
     sizes: list[int] = []
-    for line in data.splitlines():
+    for line in found.text.splitlines():
         words = line.split()
         keyword = words[0].lower() if words else b""
         if keyword == b"solid":
@@ -79,9 +75,8 @@ def read_stl_labels(path: Path, wanted: Wanted) -> Listing:
     return Listing(labels=labels[number], names=names, of="elements", places=places)
 
 
-def _of_attributes(path: Path, data: bytes, places: FloatArray) -> Listing:
+def _of_attributes(path: Path, attributes: npt.NDArray[np.integer], places: FloatArray) -> Listing:
     """A label for each value of the two bytes behind the triangles."""
-    attributes = np.frombuffer(data, _TRIANGLE, len(places), _HEADER)["attribute"]
     if len(np.unique(attributes)) < 2:
         raise file_error(
             path,

@@ -11,9 +11,11 @@ refused.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+import numpy.typing as npt
 
 from moseg_core.errors import ShapeError
 from moseg_core.io.read.checked import file_error, read_file, shape_from_polygons
@@ -41,6 +43,25 @@ _WORDS = (
     *(b"endloop", b"endfacet"),
 )
 _FIRST_NUMBERS = (8, 12, 16)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class StlContents:
+    """What an STL file holds: the triangles of a binary one, or a text.
+
+    Parameters
+    ----------
+    records : (F,) structured array or None
+        The triangles, with fields `normal`, `corners` and `attribute`; None of a text.
+    text : bytes
+        Without what stands behind it; empty of a binary file.
+    notes : list of str
+        What was passed over.
+    """
+
+    records: npt.NDArray[np.void] | None
+    text: bytes
+    notes: list[str]
 
 
 def read_stl(path: Path) -> Shape:
@@ -71,21 +92,45 @@ def read_stl(path: Path) -> Shape:
     ...     read_stl(file).n_elements
     1
     """
-    data = read_file(path)
+    found = stl_contents(path, read_file(path))
+    if found.records is not None:
+        positions = found.records["corners"].reshape(-1, 3).astype(np.float64)
+    else:
+        regular = _regular_positions(found.text)
+        positions = _text_positions(path, found.text) if regular is None else regular
+    corners = np.arange(len(positions))
+    return shape_from_polygons(
+        path, positions, corners, np.arange(0, len(positions) + 1, 3), notes=found.notes
+    )
+
+
+def stl_contents(path: Path, data: bytes) -> StlContents:
+    r"""Tell a binary file from text, and either from what stands behind it.
+
+    Parameters
+    ----------
+    path : Path
+        For messages.
+    data : bytes
+        What is in the file.
+
+    Raises
+    ------
+    ShapeError
+        It is neither; says why.
+
+    Examples
+    --------
+    >>> stl_contents(Path("a.stl"), b"solid a\nendsolid a\n\0\0").text
+    b'solid a\nendsolid a\n'
+    """
     count = int.from_bytes(data[_HEADER - 4 : _HEADER], "little")
     length = _HEADER + count * _TRIANGLE.itemsize
-    notes: list[str] = []
     text = data.rstrip(b"\0\x1a")
     if len(data) == length or (count > 0 and _padded(data, length)):
-        if len(data) > length:
-            notes.append(f"bytes behind the last triangle: {len(data) - length}; passed over")
-        table = np.frombuffer(data, _TRIANGLE, count, _HEADER)
-        positions = table["corners"].reshape(-1, 3).astype(np.float64)
+        over, behind, records = len(data) - length, "the last triangle", True
     elif data.lstrip()[:5].lower() == b"solid" and b"\0" not in text:
-        if len(data) > len(text):
-            notes.append(f"bytes behind the text: {len(data) - len(text)}; passed over")
-        regular = _regular_positions(text)
-        positions = _text_positions(path, text) if regular is None else regular
+        over, behind, records = len(data) - len(text), "the text", False
     elif len(data) < _HEADER:
         raise file_error(
             path, f"is no STL file: {len(data)} bytes, and no 'solid' in front; export it again"
@@ -97,10 +142,11 @@ def read_stl(path: Path) -> Shape:
             f"{state}: {count} triangles take {length} bytes, and there are {len(data)};"
             " export it again",
         )
-    corners = np.arange(len(positions))
-    return shape_from_polygons(
-        path, positions, corners, np.arange(0, len(positions) + 1, 3), notes=notes
-    )
+    notes = [f"bytes behind {behind}: {over}; passed over"] if over else []
+    if not records:
+        return StlContents(records=None, text=text, notes=notes)
+    table = np.frombuffer(data, _TRIANGLE, count, _HEADER)
+    return StlContents(records=table, text=b"", notes=notes)
 
 
 def _padded(data: bytes, length: int) -> bool:

@@ -39,6 +39,18 @@ def test_solids_are_named_labels(as_file):
     assert found.notes == ()
 
 
+@pytest.mark.parametrize("over", [b"\0", b"\0" * 512, b"\x1a"])
+def test_bytes_behind_a_text_leave_it_text(over, as_file):
+    contents = text(("leg", 2), ("arm", 1)).encode() + over
+    found = read_stl_labels(as_file("x.stl", contents), WANTED)
+    assert (found.labels.tolist(), found.names) == ([0, 0, 1], ("leg", "arm"))
+
+
+def test_bytes_behind_the_triangles_leave_their_attributes(as_file):
+    found = read_stl_labels(as_file("x.stl", binary([4, 2, 4]) + b"\r\n"), WANTED)
+    assert found.labels.tolist() == [4, 2, 4]
+
+
 def test_solids_of_one_name_among_others_are_one(as_file):
     solids = text(("leg", 1), ("arm", 1), ("leg", 1))
     assert read_stl_labels(as_file("x.stl", solids), WANTED).labels.tolist() == [0, 1, 0]
