@@ -89,7 +89,7 @@ def read_npz(path: Path, wanted: Wanted) -> Listing:
         names = tuple(_texts(path, arrays[named[0]]))
     elif names is None and "names" in arrays:
         raise file_error(path, "has an array 'names' that is not a row of texts; save it anew")
-    return Listing(labels=found.labels, names=names, notes=notes)
+    return Listing(labels=found.labels, names=names, of=wanted.told(name).bearer, notes=notes)
 
 
 def _is_row(array: npt.NDArray[np.generic], wanted: Wanted) -> bool:

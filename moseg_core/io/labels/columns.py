@@ -21,6 +21,7 @@ from pathlib import Path
 import numpy as np
 
 from moseg_core.io.labels.listing import (
+    BEARERS,
     NO_LABEL,
     Listing,
     Wanted,
@@ -38,9 +39,7 @@ COMMENTS = ("#", "//", "%")
 
 _DELIMITERS = ("\t", ";", ",")
 # Columns that say which element a row is about.
-_INDICES = frozenset(
-    ["", "face", "element", "vertex", "point", "triangle", "index", "id", "row", "i"]
-)
+_INDICES = frozenset(["", "index", "id", "row", "i", *BEARERS])
 # Points with a label behind: x y z, with a normal or a colour, with both.
 _POINT_COLUMNS = (4, 7, 10)
 
@@ -110,10 +109,13 @@ def read_columns(path: Path, text: str, wanted: Wanted) -> Listing:
     column, index, notes = _columns(path, rows, wanted)
     cells = [row[column] for row in rows.cells]
     found = _listing(path, cells, rows.lines, wanted)
+    if rows.header:
+        wanted = wanted.told(rows.header[column])
+        wanted = wanted if index is None else wanted.told(rows.header[index])
     if index is not None:
         ids = [int(row[index]) for row in rows.cells]
         return _placed(path, found, np.array(ids, np.int64), wanted)
-    return Listing(labels=found.labels, names=found.names, notes=notes)
+    return Listing(labels=found.labels, names=found.names, of=wanted.bearer, notes=notes)
 
 
 def _plain_numbers(text: str) -> IntArray | None:
@@ -272,11 +274,8 @@ def _listing(path: Path, cells: Cells, lines: Sequence[int], wanted: Wanted) -> 
 
 def _placed(path: Path, found: Listing, ids: IntArray, wanted: Wanted) -> Listing:
     """Labels that stand beside what they belong to."""
-    n, noun = wanted.n_elements, wanted.noun
-    count = len(ids)
-    if count == wanted.n_vertices != wanted.n_elements:
-        n, noun = count, "vertex"
-    groups = [(k, str(ids[k]), ids[k : k + 1]) for k in range(count)]
+    n, noun = wanted.bearers(path, ids)
+    groups = [(k, str(ids[k]), ids[k : k + 1]) for k in range(len(ids))]
     rows, notes = labels_of_ids(path, groups, n, noun=noun)
     labels = np.where(rows < 0, UNLABELLED, found.labels[rows])
-    return Listing(labels=labels, names=found.names, notes=notes)
+    return Listing(labels=labels, names=found.names, of=wanted.bearer, notes=notes)

@@ -27,6 +27,7 @@ import numpy as np
 
 from moseg_core.io.labels.listing import (
     Listing,
+    Of,
     Wanted,
     labels_of_ids,
     numbered_names,
@@ -54,9 +55,11 @@ _RECORDS = (
     "seggroup",
 )
 _CALLED = ("name", "label", "part", "class", "category", "tag", "segment", "object", "id")
-_FACES = ("face", "faceindex", "triangle", "element", "indice", "index", "polygon")
-_VERTICES = ("vertex", "vertice", "point", "vert")
-_FOR_VERTICES = ("vertexlabel", "vertlabel", "pointlabel", "seg", "vertexsegment")
+# What a record says that its ids are of, the surest first.
+_BEARERS = (
+    *("face", "triangle", "element", "indice", "index", "polygon"),
+    *("vertex", "vertice", "point", "vert"),
+)
 
 
 def read_json(path: Path, wanted: Wanted) -> Listing:
@@ -114,15 +117,16 @@ def _member(path: Path, document: dict[str, Any], wanted: Wanted) -> Listing:
         name = records[0] if records else None
     if name is None:
         return _labels(path, document, wanted)
-    found = _labels(path, document[name], wanted)
+    told = wanted.told(name)
+    found = _labels(path, document[name], told)
+    of: Of = "vertices" if name == "segIndices" else found.of
     names = found.names
     if names is None:
         names = _names(path, document, name, wanted)
-    vertices = plain(name) in _FOR_VERTICES or plain(name).removesuffix("label") in _VERTICES
     return Listing(
         labels=found.labels,
         names=names,
-        of="vertices" if vertices else found.of,
+        of=told.bearer if of == "unsaid" else of,
         notes=(*notes, *found.notes),
     )
 
@@ -221,19 +225,11 @@ def _of_map(path: Path, value: Mapping[str, Any], wanted: Wanted) -> Listing:
         keys = [int(key) for key in value]
         found = _of_list(path, list(value.values()))
         groups = [(k, str(key), np.array([key], np.int64)) for k, key in enumerate(keys)]
-        n, noun = _bearers(keys, wanted)
+        n, noun = wanted.bearers(path, np.array(keys, np.int64))
         rows, notes = labels_of_ids(path, groups, n, noun=noun)
         labels = np.where(rows < 0, UNLABELLED, found.labels[rows])
-        return Listing(labels=labels, names=found.names, notes=notes)
+        return Listing(labels=labels, names=found.names, of=wanted.bearer, notes=notes)
     _refuse(path, f"has no labels under its members {', '.join(map(repr, list(value)[:6]))}")
-
-
-def _bearers(ids: Sequence[int], wanted: Wanted) -> tuple[int, str]:
-    """How many there are of what ids count, and its name: vertices where they all are there."""
-    vertices = wanted.n_vertices
-    if vertices is not None and len(set(ids)) == vertices != wanted.n_elements:
-        return vertices, "vertex"
-    return wanted.n_elements, wanted.noun
 
 
 def _of_groups(path: Path, groups: Sequence[tuple[str, Any]], wanted: Wanted) -> Listing:
@@ -253,31 +249,23 @@ def _of_groups(path: Path, groups: Sequence[tuple[str, Any]], wanted: Wanted) ->
         (number, called, np.array(ids, np.int64))
         for number, (called, ids) in zip(numbers.tolist(), groups, strict=True)
     ]
-    n, noun = _bearers([face for _, ids in groups for face in ids], wanted)
+    n, noun = wanted.bearers(path, np.array([face for _, ids in groups for face in ids], np.int64))
     labels, notes = labels_of_ids(path, listed, n, noun=noun)
-    return Listing(labels=labels, names=names, notes=notes)
+    return Listing(labels=labels, names=names, of=wanted.bearer, notes=notes)
 
 
 def _of_records(path: Path, records: Sequence[Mapping[str, Any]], wanted: Wanted) -> Listing:
     """Labels from objects with a name, or a number, and ids."""
-    groups, vertices = [], False
+    groups = []
     for k, record in enumerate(records):
         members = {plain(key): value for key, value in reversed(list(record.items()))}
-        ids = next((members[key] for key in _FACES if _is_ids(members.get(key))), None)
-        if ids is None:
-            ids = next((members[key] for key in _VERTICES if _is_ids(members.get(key))), None)
-            vertices = ids is not None
-        if ids is None:
+        key = next((key for key in _BEARERS if _is_ids(members.get(key))), None)
+        if key is None:
             _refuse(path, f"has a record without a list of faces: {', '.join(record)}")
         called = next((members[key] for key in _CALLED if members.get(key) is not None), k)
-        groups.append((str(called), ids))
-    if not vertices:
-        return _of_groups(path, groups, wanted)
-    if wanted.n_vertices is None:
-        raise file_error(path, "labels vertices, of which it is not known how many there are")
-    of_vertices = Wanted(n_elements=wanted.n_vertices, noun="vertex")
-    found = _of_groups(path, groups, of_vertices)
-    return Listing(labels=found.labels, names=found.names, of="vertices", notes=found.notes)
+        groups.append((str(called), members[key]))
+        wanted = wanted.told(key)
+    return _of_groups(path, groups, wanted)
 
 
 def _of_segments(path: Path, document: Mapping[str, Any], wanted: Wanted) -> Listing:

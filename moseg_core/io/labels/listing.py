@@ -6,14 +6,16 @@ written; -1 and what is not a number say that there is none), and how words beco
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
 
+from moseg_core.io.labels.properties import plain
 from moseg_core.io.read.checked import file_error
 from moseg_core.io.read.text_rows import word
 from moseg_core.shape.geometry import Geometry
@@ -26,6 +28,21 @@ NO_LABEL = frozenset(
 )
 """Words that say, in small letters, that there is no label."""
 
+Of = Literal["elements", "vertices", "unsaid"]
+
+BEARERS: dict[str, Of] = {
+    "vertex": "vertices",
+    "vertice": "vertices",
+    "vert": "vertices",
+    "point": "vertices",
+    "face": "elements",
+    "triangle": "elements",
+    "polygon": "elements",
+    "element": "elements",
+}
+"""What bears labels, as :func:`~moseg_core.io.labels.properties.plain` writes it, and is it."""
+
+_OF_LABELS = re.compile(r"(?:label|segment|seg|part|class)$")
 _LARGEST = 2.0**53  # up to which every whole number is a float of its own
 
 
@@ -46,6 +63,8 @@ class Wanted:
         has; empty to go by usual names.
     grid : VoxelGrid or None
         The cells that are elements, where the shape is a voxel grid.
+    bearer : {"elements", "vertices", "unsaid"}
+        What the file says that it labels.
     """
 
     n_elements: int
@@ -53,6 +72,7 @@ class Wanted:
     noun: str = "element"
     properties: tuple[str, ...] = ()
     grid: VoxelGrid | None = None
+    bearer: Of = "unsaid"
 
     @classmethod
     def of(cls, shape: Shape | int, properties: Sequence[str] = ()) -> Wanted:
@@ -66,6 +86,43 @@ class Wanted:
             properties=tuple(properties),
             grid=shape.geometry if isinstance(shape.geometry, VoxelGrid) else None,
         )
+
+    def told(self, name: str) -> Wanted:
+        """With what a header or key says that it labels, if it says so.
+
+        The points of a cloud are its elements, and so are they where only a number is known.
+
+        Examples
+        --------
+        >>> wanted = Wanted(n_elements=4, n_vertices=4)
+        >>> [wanted.told(name).bearer for name in ("Vertex_IDs", "face_labels", "id")]
+        ['vertices', 'elements', 'unsaid']
+        """
+        word = plain(name)
+        word = _OF_LABELS.sub("", word) or word
+        of = BEARERS.get(word, "unsaid")
+        if of == "unsaid" or (word == "point" and self.n_vertices is None):
+            return self
+        return replace(self, bearer="elements" if self.noun == "point" else of)
+
+    def bearers(self, path: Path, ids: IntArray) -> tuple[int, str]:
+        """How many there are of what ids count, and what it is called.
+
+        Where the file does not say it these are vertices if they all are there.
+
+        Raises
+        ------
+        ShapeError
+            They are vertices, and how many there are is not known.
+        """
+        if self.bearer == "vertices" and self.n_vertices is None:
+            raise file_error(path, "labels vertices, of which it is not known how many there are")
+        all_there = len(np.unique(ids)) == self.n_vertices != self.n_elements
+        if self.n_vertices is not None and (
+            self.bearer == "vertices" or (self.bearer == "unsaid" and all_there)
+        ):
+            return self.n_vertices, "vertex"
+        return self.n_elements, self.noun
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -90,7 +147,7 @@ class Listing:
 
     labels: IntArray
     names: tuple[str, ...] | None = None
-    of: Literal["elements", "vertices", "unsaid"] = "unsaid"
+    of: Of = "unsaid"
     notes: tuple[str, ...] = ()
     places: FloatArray | None = None
     source: IntArray | None = None
@@ -250,5 +307,6 @@ def labels_of_ids(
         )
     labels = np.full(n, UNLABELLED, np.int64)
     labels[ids - first] = np.array([number for number, _, _ in groups], np.int64)[owner]
-    notes = (f"{path.name} counts {noun}s from 1",) if first else ()
+    nouns = "vertices" if noun == "vertex" else f"{noun}s"
+    notes = (f"{path.name} counts {nouns} from 1",) if first else ()
     return labels, notes

@@ -110,3 +110,11 @@ def test_names_in_an_archive(name, as_file):
 )
 def test_what_is_refused(reader, contents, message, refusal):
     assert refusal(lambda path: reader(path, WANTED), "x.npz", contents).startswith(message)
+
+
+@pytest.mark.parametrize(
+    ("name", "of"), [("vertex_labels", "vertices"), ("face_labels", "elements"), ("seg", "unsaid")]
+)
+def test_an_array_may_say_what_it_labels(name, of, as_file):
+    wanted = Wanted(n_elements=4, n_vertices=4, noun="face")
+    assert read_npz(as_file("x.npz", npz(**{name: [7, 7, 5, 5]})), wanted).of == of

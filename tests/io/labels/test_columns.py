@@ -72,6 +72,58 @@ def test_a_name_that_is_usual_for_labels_is_no_header_where_all_lines_are_labels
     assert read("part\nleg\npart\n").names == ("part", "leg")
 
 
+FOUR = Wanted(n_elements=4, n_vertices=4, noun="face")
+
+
+@pytest.mark.parametrize(
+    ("header", "of"),
+    [
+        ("vertex,label", "vertices"),
+        ("Vertex_ID,label", "vertices"),
+        ("points,label", "vertices"),
+        ("id,vertex_label", "vertices"),
+        ("face,label", "elements"),
+        ("polygon,label", "elements"),
+        ("vertex,face_label", "vertices"),
+        ("id,label", "unsaid"),
+    ],
+)
+def test_what_a_header_says_that_it_labels(header, of):
+    found = read(f"{header}\n0,7\n3,5\n1,7\n2,7\n", FOUR)
+    assert (found.labels.tolist(), found.of) == ([7, 7, 7, 5], of)
+
+
+def test_some_vertices_are_counted_as_such():
+    found = read("vertex,label\n0,7\n4,5\n")
+    assert (found.labels.tolist(), found.of) == ([7, -1, -1, -1, 5], "vertices")
+    assert read("vertex,label\n1,7\n5,5\n").notes == ("x.csv counts vertices from 1",)
+
+
+def test_a_header_without_ids_says_it_too():
+    assert read("vertex_label\n7\n7\n5\n5\n", FOUR).of == "vertices"
+    assert read("face_label\n7\n7\n5\n5\n", FOUR).of == "elements"
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("face,label\n" + "".join(f"{k},0\n" for k in range(5)), "there are 3, counted from 0"),
+        ("vertex,label\n0,7\n6,5\n", "to vertex 6, but there are 5"),
+    ],
+)
+def test_ids_of_what_is_not_there_are_refused(text, message):
+    with pytest.raises(ShapeError, match=message):
+        read(text)
+
+
+def test_points_are_the_elements_of_a_cloud_and_of_what_is_only_a_number():
+    text = "point,label\n0,7\n1,5\n2,7\n"
+    assert read(text, Wanted(n_elements=3, n_vertices=3, noun="point")).of == "elements"
+    assert read(text, Wanted(n_elements=3)).of == "unsaid"
+    with pytest.raises(ShapeError, match="not known how many"):
+        read(text.replace("point", "vertex"), Wanted(n_elements=3))
+
+
 def test_rows_that_count_vertices():
     found = read("vertex,label\n" + "".join(f"{k},{k % 2}\n" for k in range(5)))
     assert found.labels.tolist() == [0, 1, 0, 1, 0]

@@ -6,6 +6,7 @@ import json
 
 import pytest
 
+from moseg_core.errors import ShapeError
 from moseg_core.io.labels.json_forms import read_json
 from moseg_core.io.labels.listing import Wanted
 
@@ -131,3 +132,22 @@ def test_a_member_may_be_asked_for(read):
 def test_what_is_refused(document, message, refusal):
     said = refusal(lambda path: read_json(path, WANTED), "x.json", json.dumps(document))
     assert said.startswith(message)
+
+
+@pytest.mark.parametrize("labels", [{"0": 1, "3": 0}, {"1": [0], "0": [3]}, [[3], [0]]])
+def test_ids_under_a_key_that_names_vertices_are_of_these(labels, read):
+    found = read({"vertex_labels": labels})
+    expected = [1, -1, -1, 0, -1]
+    assert (found.labels.tolist(), found.of) == (expected, "vertices")
+
+
+def test_ids_under_a_key_that_names_faces_are_of_these(read):
+    assert read({"face_labels": {"0": 1, "2": 0}}).of == "elements"
+    with pytest.raises(ShapeError, match="to face 3, but there are 3"):
+        read({"face_labels": dict.fromkeys("01234", 0)})
+
+
+def test_what_a_record_says_that_it_labels_goes_before_its_list(read):
+    found = read({"faces": [{"id": 3, "vertices": [0, 4]}]})
+    assert (found.labels.tolist(), found.of) == ([3, -1, -1, -1, 3], "vertices")
+    assert read({"seg": [1, 0, 1]}).of == "unsaid"
