@@ -115,15 +115,18 @@ def read_obj(path: Path) -> Shape:
         raise _unexpected(path, *next((keyword, found[0]) for keyword, found in unknown.items()))
     if small and small[-1] == lines[-1] and not data.endswith((b"\n", b"\r")):
         raise file_error(path, "the last face is cut off; export it again", line=lines[-1])
-    notes = [
+    notes = small_faces_note(len(small), f"line {small[0]}" if small else "")
+    notes += [
         f"statement {word(keyword)} is unknown and passed over"
         f" ({_times(found)}, first in line {found[0]})"
         for keyword, found in unknown.items()
     ]
-    notes += small_faces_note(len(small), f"line {small[0]}" if small else "")
+    over = len(notes) - _MOST_NOTES
+    if over > 0:
+        notes[_MOST_NOTES - 1 :] = [f"{over + 1} more statements are unknown and passed over"]
     vertices = leading_floats(path, positions, position_lines, start=1)
     corners, offsets = _faces(path, faces, face_lines, np.array(defined, np.int64), len(positions))
-    return shape_from_polygons(path, vertices, corners, offsets, notes=notes[:_MOST_NOTES])
+    return shape_from_polygons(path, vertices, corners, offsets, notes=notes)
 
 
 def _times(found: list[int]) -> str:

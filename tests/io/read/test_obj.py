@@ -141,10 +141,18 @@ def test_what_is_unknown_or_no_face_is_passed_over_and_said(as_file, polygons_of
     assert polygons_of(shape) == POLYGONS
     last = len(STRIP.splitlines())
     assert shape.notes[:3] == (
+        f"faces of fewer than three corners: 2, the first in line {last + 4}; they are passed over",
         f"statement 'e' is unknown and passed over (2 times, first in line {last + 1})",
         f"statement 'x_own' is unknown and passed over (once, first in line {last + 3})",
-        f"faces of fewer than three corners: 2, the first in line {last + 4}; they are passed over",
     )
+
+
+def test_many_unknown_statements_hide_no_other_note(as_file):
+    more = "".join(f"x_{k} 1\n" for k in range(15))
+    notes = read_obj(as_file("more.obj", f"{STRIP}{more}f 1 2\n")).notes
+    assert notes[0].startswith("faces of fewer than three corners: 1, ")
+    assert notes[10].startswith("statement 'x_9' is unknown")
+    assert notes[11] == "5 more statements are unknown and passed over"
 
 
 def test_lines_behind_a_continued_one_keep_their_numbers(refusal):
