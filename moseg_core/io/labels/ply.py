@@ -71,7 +71,7 @@ def read_ply_labels(path: Path, wanted: Wanted) -> Listing:
     if bearer == "face" and isinstance(lists, PlyLists):
         kept = np.flatnonzero(whole_faces(lists.offsets))
     labels = labels[kept]
-    names = _names(path, header)
+    names = _names(path, header) if name == "label" else ()
     of_faces = bearer == "face"
     places = weights = source = None
     if of_faces and isinstance(lists, PlyLists):

@@ -64,6 +64,15 @@ def test_names_in_comments(form, as_file):
     assert found.names == ("tail", "upper arm")
 
 
+def test_names_in_comments_are_of_the_property_label_alone(as_file):
+    contents = mesh(faces=["int label", "int part"], values=[0, 1, 1, 0])
+    contents = contents.replace(b"element vertex", b"comment moseg label 0 leg\nelement vertex", 1)
+    contents = contents.replace(b"element vertex", b"comment moseg label 1 arm\nelement vertex", 1)
+    path = as_file("x.ply", contents)
+    assert read_ply_labels(path, FOUR).names == ("leg", "arm")
+    assert read_ply_labels(path, Wanted(n_elements=4, properties=("part",))).names is None
+
+
 def test_pieces_say_whose_they_are_and_how_large(as_file):
     found = read_ply_labels(as_file("x.ply", mesh(faces=["int label", "int source"])), FOUR)
     assert found.source.tolist() == LABELS
