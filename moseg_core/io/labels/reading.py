@@ -74,7 +74,7 @@ def read_labels(
     Raises
     ------
     UsageError
-        Another suffix.
+        Another suffix; `fill` where only a number of elements is known.
     ShapeError
         The file cannot be read, is malformed, labels nothing, or does not fit the shape.
 
@@ -92,6 +92,11 @@ def read_labels(
     """
     path = Path(path)
     suffix = path.suffix.lower()
+    if fill and not isinstance(shape, Shape):
+        raise UsageError(
+            f"{path.name}: fill=True takes the label of the nearest element, and of the shape only"
+            " the number of elements is known; give the shape"
+        )
     if suffix in _OF_EDGES:
         raise UsageError(
             f"{path.name}: '{suffix}' has labels of edges, as MeshCNN writes them, and moseg labels"

@@ -170,6 +170,11 @@ def test_a_whole_labelling_can_be_asked_for(as_file):
     )
 
 
+def test_a_number_of_elements_has_no_nearest(as_file):
+    with pytest.raises(UsageError, match=r"x\.seg: fill=True .* give the shape"):
+        read_labels(as_file("x.seg", "3\n1\n"), 2, fill=True)
+
+
 @pytest.mark.skipif("MOSEG_PSB" not in os.environ, reason="MOSEG_PSB names no benchmark folder")
 def test_benchmark_labels_come_back_as_they_were_written(as_file):
     folder = Path(os.environ["MOSEG_PSB"])
