@@ -53,7 +53,7 @@ def read_glb_labels(path: Path, wanted: Wanted) -> Listing:
     counts = {kind: len({n for n in names if n}) for kind, names in said.items()}
     notes: tuple[str, ...] = ()
     if wanted.properties:
-        asked = [plain(name).replace("meshe", "mesh") for name in wanted.properties]
+        asked = [plain(name) for name in wanted.properties]
         kind, _ = chosen(path, "kind of names", [k for k, n in counts.items() if n], asked)
         assert kind is not None  # one is asked for
     elif not any(counts.values()):

@@ -27,6 +27,8 @@ _FAMILIAR = (
 
 _NAMES = frozenset(["name", "labelname", "class", "classname", "category", "partname"])
 
+# An s behind anything but an s, as in class, and es behind what would hiss otherwise.
+_PLURAL = re.compile(r"(?<=ss|sh|ch)es$|(?<=x)es$|(?<!s)s$")
 _TAIL = re.compile(r"(ids?|index|indices|idx|numbers?)$")
 
 
@@ -40,9 +42,7 @@ def plain(name: str) -> str:
     """
     word = re.sub(r"[^a-z0-9]", "", name.lower().removeprefix("scalar_"))
     word = _TAIL.sub("", word) or word
-    if word in ("class", "classes"):
-        return "class"
-    return word[:-3] + "y" if word.endswith("ies") else word.removesuffix("s")
+    return _PLURAL.sub("", word[:-3] + "y" if word.endswith("ies") else word)
 
 
 def familiar(names: Iterable[str]) -> list[str]:
