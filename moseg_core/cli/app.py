@@ -73,7 +73,8 @@ def segment(
     Parameters
     ----------
     shape
-        A mesh (OFF, PLY, OBJ, STL, GLB), point cloud (PLY, XYZ, CSV) or voxel grid (NPY, BINVOX).
+        A mesh (OFF, PLY, OBJ, STL, GLB, GLTF), point cloud (PLY, XYZ, PTS, ASC, TXT, CSV, NPY) or
+        voxel grid (NPY, BINVOX).
     clip
         Cut the faces at boundaries, so that these are smooth, in .ply, .glb and .png.
     profile

@@ -167,7 +167,7 @@ def _names_elements(source: IntArray, n: int) -> bool:
 def _by_place(listing: Listing, mesh: Geometry) -> IntArray | None:
     """(F,) int: the listed face at the place of each element, -1 where there is none.
 
-    None where places do not count, or the order is theirs anyway.
+    In order where each listed face lies at its element already; None where places do not count.
     """
     places = listing.places
     if places is None or not len(places) or not isinstance(mesh, PolygonMesh):

@@ -9,8 +9,9 @@ picture.
 
 Coordinates are the user's own, without a turn to the y-up of glTF. The format holds them in single
 precision, of which a shape far from the origin, on a map for example, would lose all that matters:
-so positions are those relative to the middle of the shape, and every node is placed there. Labels
-cannot be recovered from this file in the order of the input; the PLY file is for that.
+so positions are those relative to the middle of the shape, and every node is placed there. The
+triangles are not in the order of the input: labels are found again by place, where the shape is at
+hand (``read_labels("x.glb", shape)``).
 """
 
 from __future__ import annotations
