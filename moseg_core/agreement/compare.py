@@ -14,9 +14,8 @@ from moseg_core.agreement.consistency import consistency_errors_of
 from moseg_core.agreement.cut import EdgeGraph, cut_discrepancy
 from moseg_core.agreement.hamming import hamming_distance_of
 from moseg_core.agreement.names import named_right
-from moseg_core.agreement.overlap import labelled, overlap
+from moseg_core.agreement.overlap import overlap
 from moseg_core.agreement.rand import rand_index_error_of
-from moseg_core.errors import UsageError
 from moseg_core.types import FloatArray, IntArray
 
 
@@ -101,8 +100,6 @@ def compare(
     >>> e.rand_index_error, e.missing, e.false_alarm, e.cut_discrepancy
     (1.0, 0.0, 0.5, None)
     """
-    if len(found) == len(truth) and not labelled(found, truth).any():
-        raise UsageError("no face has a label in both labellings; there is nothing to compare")
     by_faces, by_area = overlap(found, truth), overlap(found, truth, areas)
     hamming = hamming_distance_of(by_area)
     consistency, consistency_by_area = map(consistency_errors_of, (by_faces, by_area))

@@ -67,7 +67,7 @@ def consistency_errors(
     Raises
     ------
     UsageError
-        Arrays of different lengths.
+        Arrays of different lengths, or no element with a label in both.
 
     Examples
     --------

@@ -64,7 +64,7 @@ def hamming_distance(
     Raises
     ------
     UsageError
-        Arrays of different lengths.
+        Arrays of different lengths, or no element with a label in both.
 
     Examples
     --------
@@ -96,7 +96,7 @@ def directional_hamming(
     Raises
     ------
     UsageError
-        Arrays of different lengths.
+        Arrays of different lengths, or no element with a label in both.
 
     Examples
     --------

@@ -71,7 +71,7 @@ def overlap(first: IntArray, second: IntArray, weights: FloatArray | None = None
     Raises
     ------
     UsageError
-        Arrays of different lengths.
+        Arrays of different lengths, or no element with a label in both.
 
     Examples
     --------
@@ -89,10 +89,12 @@ def overlap(first: IntArray, second: IntArray, weights: FloatArray | None = None
             f" these have {len(first)}, {len(second)} and {len(mass)}"
         )
     known = labelled(first, second)
+    if not known.any():
+        raise UsageError("nothing has a label in both labellings; there is nothing to compare")
     mass = mass[known]
     _, a = _numbered(np.asarray(first)[known])
     kinds, b = _numbered(np.asarray(second)[known])
-    width = max(len(kinds), 1)
+    width = len(kinds)
     cells, cell = _numbered(a * width + b)
     shared = sums(cell, mass, len(cells))
     row, column = np.divmod(cells, width)

@@ -35,7 +35,7 @@ def rand_index_error(first: IntArray, second: IntArray, weights: FloatArray | No
     Raises
     ------
     UsageError
-        Arrays of different lengths.
+        Arrays of different lengths, or no element with a label in both.
 
     Examples
     --------

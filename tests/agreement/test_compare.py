@@ -72,7 +72,7 @@ def test_faces_without_a_label_are_left_out_of_all_measures():
     )
     assert told.named_right == 1.0
     assert told.rand_index_error == told.hamming == told.cut_discrepancy == 0.0
-    with pytest.raises(UsageError, match="no face has a label in both"):
+    with pytest.raises(UsageError, match="nothing has a label in both"):
         agreement.compare(np.full_like(truth, -1), truth, areas=SHAPE.areas, graph=GRAPH)
 
 

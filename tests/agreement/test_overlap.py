@@ -6,7 +6,14 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 
-from moseg_core.agreement import labelled, overlap
+from moseg_core.agreement import (
+    consistency_errors,
+    directional_hamming,
+    hamming_distance,
+    labelled,
+    overlap,
+    rand_index_error,
+)
 from moseg_core.errors import UsageError
 from tests.agreement import references
 from tests.agreement.labellings import pairs_of_labellings, partly_labelled_pairs
@@ -38,6 +45,10 @@ def test_the_table_holds_what_parts_have_in_common(case):
 def test_elements_without_a_label_are_as_if_they_were_not_there(case):
     first, second, weights, known = case
     np.testing.assert_array_equal(labelled(first, second), known)
+    if not known.any():
+        with pytest.raises(UsageError, match="nothing to compare"):
+            overlap(first, second, weights)
+        return
     here = overlap(first, second, weights)
     there = overlap(first[known], second[known], weights[known])
     for name in ("first", "second", "shared", "first_sizes", "second_sizes", "squares"):
@@ -56,3 +67,12 @@ def test_arrays_of_different_lengths_are_refused(sizes):
     first, second, weights = (np.zeros(size, int) for size in sizes)
     with pytest.raises(UsageError, match="these have {}, {} and {}".format(*sizes)):
         overlap(first, second, weights)
+
+
+@pytest.mark.parametrize(
+    "measure",
+    [overlap, hamming_distance, directional_hamming, rand_index_error, consistency_errors],
+)
+def test_nothing_known_in_common_is_no_agreement(measure):
+    with pytest.raises(UsageError, match="nothing has a label in both labellings"):
+        measure(np.array([-1, 0]), np.array([0, -1]), np.ones(2))
