@@ -149,7 +149,7 @@ class Part:
         return self.shape.areas[self.elements]
 
     @cached_property
-    def _surface(self) -> tuple[FloatArray, IntArray]:
+    def _surface(self) -> tuple[FloatArray, IntArray, IntArray]:
         geometry = self.shape.geometry
         used = np.zeros(len(geometry.vertices), np.bool_)
         if geometry.is_triangular:
@@ -161,7 +161,11 @@ class Part:
             triangles = geometry.triangles[inside[geometry.triangle_polygon]]
             used[geometry.corners[ranges(geometry.offsets, self.elements)]] = True
         compact = np.cumsum(used) - 1
-        return frozen(geometry.vertices[used]), frozen(compact[triangles])
+        return (
+            frozen(geometry.vertices[used]),
+            frozen(compact[triangles]),
+            frozen(geometry.merged[used]),
+        )
 
     @property
     def vertices(self) -> FloatArray:
@@ -175,6 +179,11 @@ class Part:
         None on a point cloud. On a voxel grid the exposed faces of its cells, not the cuts.
         """
         return self._surface[1]
+
+    @property
+    def merged(self) -> IntArray:
+        """(v,) int: number of each vertex's position in the shape; those at one place share it."""
+        return self._surface[2]
 
     @cached_property
     def extreme_vertices(self) -> FloatArray:

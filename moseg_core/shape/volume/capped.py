@@ -25,6 +25,7 @@ import numpy as np
 
 from moseg_core.shape.adjacency import undirected
 from moseg_core.shape.mesh import PolygonMesh
+from moseg_core.shape.positions import find_positions
 from moseg_core.shape.volume.orientation import EdgeUses
 from moseg_core.shape.volume.twins import one_of_each
 from moseg_core.types import FloatArray, IntArray
@@ -33,17 +34,21 @@ from moseg_core.types import FloatArray, IntArray
 _NOTHING = 1e-9
 
 
-def capped_volume(vertices: FloatArray, triangles: IntArray) -> float:
+def capped_volume(
+    vertices: FloatArray, triangles: IntArray, merged: IntArray | None = None
+) -> float:
     """Volume of a surface after its boundary loops are capped.
 
     Parameters
     ----------
     vertices : (V, 3) float, model units
-        Near the origin, for accuracy. Those at one position are one.
+        Near the origin, for accuracy.
     triangles : (T, 3) int
         Should be oriented alike, all outward or all inward; no matter which. Of triangles that
-        are not, the volumes cancel; but of a surface that has every face twice, once for either
-        side, one of each counts.
+        are not, the volumes cancel.
+    merged : (V,) int, optional
+        Number of each vertex's position, as :attr:`PolygonMesh.merged`; those at one position are
+        one. By default that is those that are equal.
 
     Returns
     -------
@@ -59,7 +64,9 @@ def capped_volume(vertices: FloatArray, triangles: IntArray) -> float:
     """
     a, b, c = (vertices[triangles[:, k]] for k in range(3))
     volume = float(np.einsum("ij,ij->", a, np.cross(b, c)))
-    positions, edges, counts = _boundary(vertices, triangles)
+    if merged is None:
+        merged = find_positions(vertices).number
+    positions, edges, counts = _boundary(vertices, triangles, merged)
     if len(edges):
         start, stop = positions[edges[:, 0]], positions[edges[:, 1]]
         loop = _blocks(edges)
@@ -118,15 +125,21 @@ def _centroids(loop: IntArray, start: FloatArray, stop: FloatArray, counts: IntA
     return np.stack([np.bincount(loop, lengths * middles[:, k]) / total for k in range(3)], axis=1)
 
 
-def _boundary(vertices: FloatArray, triangles: IntArray) -> tuple[FloatArray, IntArray, IntArray]:
+def _boundary(
+    vertices: FloatArray, triangles: IntArray, merged: IntArray
+) -> tuple[FloatArray, IntArray, IntArray]:
     """(positions, (e, 2) directed edges that are not balanced, by how many each)."""
-    ends = np.concatenate([triangles[:, [k, (k + 1) % 3]] for k in range(3)])
+    corners = merged[triangles]
+    ends = np.concatenate([corners[:, [k, (k + 1) % 3]] for k in range(3)])
+    size = int(merged.max(initial=-1)) + 1
     # First by number, which leaves little to be compared by position.
-    ends, counts = _net(ends, np.ones(len(ends), np.int64), len(vertices))
+    ends, counts = _net(ends, np.ones(len(ends), np.int64), size)
     used, compact = np.unique(ends, return_inverse=True)
+    vertex = np.empty(size, np.int64)
+    vertex[merged] = np.arange(len(merged))
     # Adding 0.0 turns -0.0 into 0.0, which compare equal but differ in their bytes.
-    positions, merged = np.unique(vertices[used] + 0.0, axis=0, return_inverse=True)
-    edges = merged.reshape(-1)[compact.reshape(-1, 2)]
+    positions, place = np.unique(vertices[vertex[used]] + 0.0, axis=0, return_inverse=True)
+    edges = place.reshape(-1)[compact.reshape(-1, 2)]
     return positions, *_net(edges, counts, len(positions))
 
 

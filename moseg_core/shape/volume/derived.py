@@ -80,7 +80,7 @@ def part_volume(
     triangles = part.triangles
     if isinstance(part, PolygonMesh) and (single := one_of_each(part, EdgeUses.of(part))):
         triangles = single.triangles(part)
-    value = capped_volume(part.vertices - center, triangles)
+    value = capped_volume(part.vertices - center, triangles, part.merged)
     if value <= _FLAT * diagonal**3:
         return Volume.none("it is flat, also with its cuts capped")
     return Volume.exact(value)
@@ -123,10 +123,10 @@ def deformed_volume(
             return Volume.none(f"{doubt}, and {_NUMBER} the space '{space}'")
         return estimated_volume(mesh, source)[0]
     middle = mesh.vertices[mesh.triangles].reshape(-1, 3).mean(axis=0)
-    # Which faces lie on each other is asked of the original too.
+    # Which faces lie on each other, and which vertices, is asked of the original too.
     single = one_of_each(original, EdgeUses.of(original))
     triangles = mesh.triangles if single is None else single.triangles(mesh)
-    value = capped_volume(mesh.vertices - middle, triangles)
+    value = capped_volume(mesh.vertices - middle, triangles, original.merged)
     if value <= _FLAT_DEFORMED * diagonal**3:
         return Volume.none(f"it is flat in the space '{space}'")
     return Volume.exact(value)

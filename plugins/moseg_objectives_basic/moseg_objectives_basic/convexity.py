@@ -129,7 +129,7 @@ def closed_volume(part: Part) -> float:
     >>> round(part.measure("basic:closed_volume"), 6)
     0.166667
     """
-    return capped_volume(part.vertices - part.centroid, part.triangles)
+    return capped_volume(part.vertices - part.centroid, part.triangles, part.merged)
 
 
 @objective(

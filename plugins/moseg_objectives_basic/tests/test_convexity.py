@@ -226,3 +226,15 @@ def test_nasty_parts_have_finite_hulls(nasty):
             assert 0 <= convex_parts(whole) < math.inf, name
     assert hull_volume(nasty["plate"]) == pytest.approx(1e-9, rel=1e-6)
     assert hull_volume(nasty["one side of a box"]) == 0
+
+
+def test_loose_triangles_with_jitter_are_as_convex_as_those_that_share_vertices(make):
+    vertices, faces = make.ball(2)
+    points = np.asarray(vertices)[np.array(faces).reshape(-1)]
+    loose = points + np.random.default_rng(0).uniform(-1e-10, 1e-10, points.shape)
+    shape = Shape.from_mesh(loose, np.arange(len(loose)).reshape(-1, 3))
+    upper = (shape.points[:, 2] > 0).astype(int)
+    problem = Problem(["a", "b"], "convex(a)")
+    expected = problem.evaluate(Shape.from_mesh(vertices, faces), upper).cost.value
+    assert problem.evaluate(shape, upper).cost.value == pytest.approx(expected, abs=1e-8)
+    assert problem.evaluate(shape, 0 * upper).cost.value == pytest.approx(0.0, abs=1e-8)

@@ -122,3 +122,16 @@ def test_of_a_surface_that_is_there_twice_one_is_capped():
     flat = np.array([[0, 1, 2], [2, 1, 0]])
     assert capped_volume(np.eye(3), flat) == 0
     assert capped_volume(np.eye(3), np.empty((0, 3), int)) == 0
+
+
+def test_vertices_are_joined_where_the_mesh_joins_them():
+    vertices, faces = sphere(3)
+    upper = np.array([f for f in faces if vertices[list(f), 2].mean() > 0])
+    once = capped_volume(vertices, upper)
+    loose = vertices[upper.reshape(-1)]
+    loose = loose + np.random.default_rng(0).uniform(-1e-10, 1e-10, loose.shape)
+    apart = np.arange(len(loose)).reshape(-1, 3)
+    mesh = PolygonMesh.from_faces(loose, apart)
+    assert capped_volume(loose, apart, mesh.merged) == pytest.approx(once, rel=1e-8)
+    # Torn apart each triangle has its own cap.
+    assert capped_volume(loose, apart) == pytest.approx(0.0, abs=1e-12)

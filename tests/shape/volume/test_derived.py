@@ -173,3 +173,13 @@ def test_a_part_that_cannot_be_estimated_says_why():
     flat = subshape(whole.with_volume("winding"), np.arange(len(faces), whole.n_elements))
     assert flat.volume is None
     assert "flat" in flat.volume_reason
+
+
+def test_parts_and_deformed_versions_are_joined_where_the_shape_is():
+    loose = VERTICES[np.array(FACES).reshape(-1)]
+    loose = loose + np.random.default_rng(0).uniform(-1e-10, 1e-10, loose.shape)
+    ball = Shape.from_mesh(loose, np.arange(len(loose)).reshape(-1, 3))
+    assert subshape(ball, UPPER).volume == pytest.approx(HALF)
+    rng = np.random.default_rng(1)
+    tall = loose * [1, 1, 2] + rng.uniform(-1e-7, 1e-7, loose.shape)
+    assert ball.deformed(tall, space="tall").volume == pytest.approx(2 * BALL.volume, rel=1e-6)
