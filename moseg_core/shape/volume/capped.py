@@ -30,9 +30,6 @@ from moseg_core.shape.volume.orientation import EdgeUses
 from moseg_core.shape.volume.twins import one_of_each
 from moseg_core.types import FloatArray, IntArray
 
-#: A volume below this share of the extent cubed is rounding.
-_NOTHING = 1e-9
-
 
 def capped_volume(
     vertices: FloatArray, triangles: IntArray, merged: IntArray | None = None
@@ -45,7 +42,8 @@ def capped_volume(
         Near the origin, for accuracy.
     triangles : (T, 3) int
         Should be oriented alike, all outward or all inward; no matter which. Of triangles that
-        are not, the volumes cancel.
+        are not, the volumes cancel; but of those that lie on each other, as for two sides of a
+        surface, one of each counts (:mod:`moseg_core.shape.volume.twins`).
     merged : (V,) int, optional
         Number of each vertex's position, as :attr:`PolygonMesh.merged`; those at one position are
         one. By default that is those that are equal.
@@ -62,11 +60,19 @@ def capped_volume(
     >>> round(capped_volume(tent, np.array([[0, 1, 3], [1, 2, 3], [2, 0, 3]])), 6)
     0.166667
     """
-    a, b, c = (vertices[triangles[:, k]] for k in range(3))
-    volume = float(np.einsum("ij,ij->", a, np.cross(b, c)))
     if merged is None:
         merged = find_positions(vertices).number
-    positions, edges, counts = _boundary(vertices, triangles, merged)
+    positions, edges, counts, crowded = _boundary(vertices, triangles, merged)
+    if crowded:
+        # Only there can faces lie on each other that enclose anything.
+        place = _vertex_at(merged)
+        mesh = PolygonMesh.from_faces(vertices[place[merged]], triangles, weld=0.0)
+        single = one_of_each(mesh, EdgeUses.of(mesh))
+        if single is not None and single.kept.any():
+            triangles = single.triangles(mesh)
+            positions, edges, counts, _ = _boundary(vertices, triangles, merged)
+    a, b, c = (vertices[triangles[:, k]] for k in range(3))
+    volume = float(np.einsum("ij,ij->", a, np.cross(b, c)))
     if len(edges):
         start, stop = positions[edges[:, 0]], positions[edges[:, 1]]
         loop = _blocks(edges)
@@ -74,12 +80,6 @@ def capped_volume(
         # A cap runs through the loop's edges the other way.
         caps = np.einsum("ij,ij->i", centroids[loop], np.cross(stop, start))
         volume += float(counts @ caps)
-    elif len(a) and abs(volume) <= _NOTHING * float(np.ptp(a, axis=0).max()) ** 3:
-        # Nothing is open and nothing is inside: it may be a surface that is there twice.
-        mesh = PolygonMesh.from_faces(vertices, triangles)
-        single = one_of_each(mesh, EdgeUses.of(mesh))
-        if single is not None and single.kept.any():
-            return capped_volume(vertices, single.triangles(mesh))
     return abs(volume) / 6.0
 
 
@@ -127,32 +127,55 @@ def _centroids(loop: IntArray, start: FloatArray, stop: FloatArray, counts: IntA
 
 def _boundary(
     vertices: FloatArray, triangles: IntArray, merged: IntArray
-) -> tuple[FloatArray, IntArray, IntArray]:
-    """(positions, (e, 2) directed edges that are not balanced, by how many each)."""
+) -> tuple[FloatArray, IntArray, IntArray, bool]:
+    """The directed edges at which a surface is open.
+
+    Returns
+    -------
+    positions : (p, 3) float
+    edges : (e, 2) int
+        Positions; of edges that are not balanced, in the direction that prevails.
+    counts : (e,) int
+        By how many it does.
+    crowded : bool
+        Whether any edge, balanced or not, has more than two uses.
+    """
     corners = merged[triangles]
     ends = np.concatenate([corners[:, [k, (k + 1) % 3]] for k in range(3)])
     size = int(merged.max(initial=-1)) + 1
     # First by number, which leaves little to be compared by position.
-    ends, counts = _net(ends, np.ones(len(ends), np.int64), size)
+    ends, counts, most = _net(ends, np.ones(len(ends), np.int64), size)
     used, compact = np.unique(ends, return_inverse=True)
-    vertex = np.empty(size, np.int64)
-    vertex[merged] = np.arange(len(merged))
     # Adding 0.0 turns -0.0 into 0.0, which compare equal but differ in their bytes.
-    positions, place = np.unique(vertices[vertex[used]] + 0.0, axis=0, return_inverse=True)
+    places = vertices[_vertex_at(merged)[used]] + 0.0
+    positions, place = np.unique(places, axis=0, return_inverse=True)
     edges = place.reshape(-1)[compact.reshape(-1, 2)]
-    return positions, *_net(edges, counts, len(positions))
+    edges, counts, _ = _net(edges, counts, len(positions))
+    return positions, edges, counts, most > 2
 
 
-def _net(ends: IntArray, counts: IntArray, size: int) -> tuple[IntArray, IntArray]:
-    """Edges in the direction that prevails, with what remains; balanced ones left out."""
+def _vertex_at(merged: IntArray) -> IntArray:
+    """For each position the number of a vertex there."""
+    vertex = np.empty(int(merged.max(initial=-1)) + 1, np.int64)
+    vertex[merged] = np.arange(len(merged))
+    return vertex
+
+
+def _net(ends: IntArray, counts: IntArray, size: int) -> tuple[IntArray, IntArray, int]:
+    """Edges in the direction that prevails, with what remains, and the most uses of any.
+
+    Balanced ones and those of no length are left out of the first two.
+    """
     low, high = ends.min(axis=1), ends.max(axis=1)
     signed = np.where(ends[:, 0] == low, counts, -counts) * (low != high)
     code, group = np.unique(low * np.int64(size) + high, return_inverse=True)
-    net = np.bincount(group.reshape(-1), signed, minlength=len(code)).astype(np.int64)
+    group = group.reshape(-1)
+    net = np.bincount(group, signed, minlength=len(code)).astype(np.int64)
+    most = int(np.bincount(group, signed != 0).max(initial=0))
     code, net = code[net != 0], net[net != 0]
     edges = np.stack(np.divmod(code, max(size, 1)), axis=1)
     edges[net < 0] = edges[net < 0, ::-1]
-    return edges, np.abs(net)
+    return edges, np.abs(net), most
 
 
 def _blocks(edges: IntArray) -> IntArray:

@@ -238,3 +238,11 @@ def test_loose_triangles_with_jitter_are_as_convex_as_those_that_share_vertices(
     expected = problem.evaluate(Shape.from_mesh(vertices, faces), upper).cost.value
     assert problem.evaluate(shape, upper).cost.value == pytest.approx(expected, abs=1e-8)
     assert problem.evaluate(shape, 0 * upper).cost.value == pytest.approx(0.0, abs=1e-8)
+
+
+def test_a_ball_with_a_cap_from_both_sides_is_convex(make):
+    vertices, faces = make.ball(3)
+    cap = faces[vertices[faces, 2].mean(axis=1) > 0.5]
+    shape = Shape.from_mesh(vertices, np.concatenate([faces, cap[:, ::-1]]))
+    found = Problem(["a"], "convex(a)").evaluate(shape, [0] * shape.n_elements)
+    assert found.cost.value == pytest.approx(0.0, abs=1e-9)

@@ -135,3 +135,18 @@ def test_vertices_are_joined_where_the_mesh_joins_them():
     assert capped_volume(loose, apart, mesh.merged) == pytest.approx(once, rel=1e-8)
     # Torn apart each triangle has its own cap.
     assert capped_volume(loose, apart) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_where_some_faces_lie_on_others_one_of_each_counts():
+    vertices, faces = sphere(3)
+    triangles = np.array(faces)
+    upper = triangles[vertices[triangles, 2].mean(axis=1) > 0.3]
+    lower = triangles[vertices[triangles, 2].mean(axis=1) < 0.6]
+    whole, cut = capped_volume(vertices, triangles), capped_volume(vertices, lower)
+    assert whole > cut > 1
+    both = np.concatenate([triangles, upper[:, ::-1]])
+    assert capped_volume(vertices, both) == pytest.approx(whole)
+    again = np.concatenate([lower, lower[:, ::-1], upper + len(vertices)])
+    apart = np.concatenate([vertices, vertices + 9.0])
+    expected = cut + capped_volume(vertices, upper)
+    assert capped_volume(apart, again) == pytest.approx(expected)
