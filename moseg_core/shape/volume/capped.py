@@ -20,6 +20,7 @@ faces use.
 from __future__ import annotations
 
 from collections import defaultdict
+from dataclasses import replace
 
 import numpy as np
 
@@ -27,7 +28,7 @@ from moseg_core.shape.adjacency import undirected
 from moseg_core.shape.mesh import PolygonMesh
 from moseg_core.shape.positions import find_positions
 from moseg_core.shape.volume.orientation import EdgeUses
-from moseg_core.shape.volume.twins import one_of_each
+from moseg_core.shape.volume.twins import of_triangles, one_of_each
 from moseg_core.types import FloatArray, IntArray
 
 
@@ -93,7 +94,8 @@ def with_caps(mesh: PolygonMesh) -> PolygonMesh:
     Returns
     -------
     PolygonMesh
-        The triangles of `mesh`, followed by those of the caps, oriented anyhow.
+        The triangles of `mesh`, followed by those of the caps, oriented anyhow; joined within
+        the same tolerance.
 
     Examples
     --------
@@ -112,9 +114,8 @@ def with_caps(mesh: PolygonMesh) -> PolygonMesh:
     loop = _blocks(edges)
     centroids = _centroids(loop, start, stop, np.ones(len(edges), np.int64))
     fans = np.column_stack([vertex, len(mesh.vertices) + loop])
-    return PolygonMesh.from_faces(
-        np.concatenate([mesh.vertices, centroids]), np.concatenate([mesh.triangles, fans])
-    )
+    closed = replace(mesh, vertices=np.concatenate([mesh.vertices, centroids]))
+    return of_triangles(closed, np.concatenate([mesh.triangles, fans]))
 
 
 def _centroids(loop: IntArray, start: FloatArray, stop: FloatArray, counts: IntArray) -> FloatArray:

@@ -150,3 +150,15 @@ def test_where_some_faces_lie_on_others_one_of_each_counts():
     apart = np.concatenate([vertices, vertices + 9.0])
     expected = cut + capped_volume(vertices, upper)
     assert capped_volume(apart, again) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize("weld", [0.0, 1e-3])
+def test_a_surface_with_caps_is_joined_within_the_tolerance_it_had(weld):
+    vertices, faces = cube_without_lid()
+    loose = vertices[[v for face in faces for v in face]]
+    loose = loose + np.random.default_rng(0).uniform(-1e-5, 1e-5, loose.shape)
+    mesh = PolygonMesh.from_faces(loose, np.arange(len(loose)).reshape(-1, 4), weld=weld)
+    closed = with_caps(mesh)
+    assert closed.tolerance == mesh.tolerance
+    # Each face by itself has four edges to be capped, the cube without a lid has those of its rim.
+    assert closed.n_polygons == 2 * 5 + (4 if weld else 4 * 5)
