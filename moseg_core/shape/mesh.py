@@ -140,12 +140,22 @@ class PolygonMesh(Geometry):
 
     @property
     def n_near(self) -> int:
-        """How many different places were joined with another because they are near."""
+        """How many different places of faces were joined with another because they are near."""
         return self._positions.n_near
 
     @cached_property
     def _positions(self) -> Positions:
-        return find_positions(self.vertices, self.tolerance)
+        used = np.zeros(len(self.vertices), np.bool_)
+        used[self.corners] = True
+        if used.all():
+            return find_positions(self.vertices, self.tolerance)
+        found = find_positions(self.vertices[used], self.tolerance)
+        # Vertices that no face uses are joined among themselves, and numbered behind the others.
+        idle = find_positions(self.vertices[~used]).number
+        number = np.empty(len(used), np.int64)
+        number[used] = found.number
+        number[~used] = idle + int(found.number.max()) + 1
+        return Positions(number, found.n_near)
 
     @property
     def n_polygons(self) -> int:

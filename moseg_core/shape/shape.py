@@ -119,10 +119,13 @@ class Shape(ShapeData):
         taken[mesh.merged[used]] = True
         near = mesh.n_near
         duplicates = int(used.sum() - taken.sum()) - near
-        notes = [f"{duplicates} duplicate vertices, joined by position"] if duplicates > 0 else []
+        notes = []
+        if duplicates:
+            notes.append(f"{duplicates} duplicate {_vertices(duplicates)}, joined by position")
         if near:
             notes.append(
-                f"{near} vertices less than {mesh.tolerance:.2g} from another, joined with it"
+                f"{near} {_vertices(near)} less than {mesh.tolerance:.2g} from another, joined"
+                f" with it"
                 f" (--weld 0 joins equal ones only)"
             )
         return cls._made(mesh, adjacency, volume, notes, name)
@@ -496,6 +499,10 @@ _COMPONENTS = "the surface has"
 _MUTUAL = "count as neighbours, where mutually so"
 _NO_VOLUME = "encloses no volume"
 _ESTIMATE = "the enclosed volume is taken to be"
+
+
+def _vertices(count: int) -> str:
+    return "vertex" if count == 1 else "vertices"
 
 
 def _in_components(count: int) -> str:

@@ -153,3 +153,16 @@ def test_how_near_vertices_are_joined_is_a_share_of_the_diagonal():
     for wrong in (-1e-9, 0.2, np.nan):
         with pytest.raises(UsageError, match="a share of the diagonal from 0 to"):
             mesh.welded(wrong)
+
+
+def test_vertices_that_no_face_uses_join_no_others():
+    between = [1, 5e-7, 0]  # near to the corners on either side, which are apart
+    corners = [*TRIANGLE, [1, 1e-6, 0], [1, 1, 0], [0, 1, 0]]
+    faces = [[0, 1, 2], [3, 4, 5]]
+    plain = PolygonMesh.from_faces(corners, faces, weld=5e-7)
+    idle = [between, between, TRIANGLE[0]]
+    mesh = PolygonMesh.from_faces([*idle, *corners], np.array(faces) + len(idle), weld=5e-7)
+    assert plain.n_near == mesh.n_near == 0
+    assert mesh.merged[3:].tolist() == plain.merged.tolist()
+    assert mesh.merged[:3].tolist() == [6, 6, 5]
+    assert sorted(set(mesh.merged.tolist())) == list(range(7))

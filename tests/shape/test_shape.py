@@ -171,3 +171,13 @@ def test_in_other_units_vertices_are_joined_within_the_same_share():
         mesh = shape.deformed(scale * crack, space="other").geometry
         np.testing.assert_array_equal(mesh.merged, shape.geometry.merged)
         assert mesh.tolerance == pytest.approx(scale * shape.geometry.tolerance)
+
+
+def test_what_is_noted_of_joined_vertices_is_about_those_of_faces():
+    crack = [[0, 0, 0], [300, 0, 0], [0, 400, 0], [300, 3e-6, 0], [0, 400, 0], [300, 400, 0]]
+    idle = [[300, 2e-6, 0], [0, 0, 0], [0, 0, 0]]
+    shape = Shape.from_mesh([*idle, *crack], [[3, 4, 5], [6, 8, 7]])
+    assert shape.notes[:2] == (
+        "1 duplicate vertex, joined by position",
+        "1 vertex less than 5e-06 from another, joined with it (--weld 0 joins equal ones only)",
+    )

@@ -162,7 +162,7 @@ def test_vertices_of_an_unknown_number_are_refused():
 def test_labels_of_the_vertices_that_are_left_when_equal_ones_are_joined():
     vertices, faces = shapes.strip(4)
     loose = Shape.from_mesh(
-        np.asarray(vertices)[np.concatenate(faces)], np.arange(12).reshape(4, 3)
+        np.asarray(vertices)[np.concatenate(faces)], np.arange(16).reshape(4, 4)
     )
     joined = int(loose.geometry.merged.max()) + 1
     assert joined not in (loose.n_elements, len(loose.geometry.vertices))
