@@ -182,35 +182,38 @@ def _turned(mesh: PolygonMesh, uses: EdgeUses, free: BoolArray, kept: BoolArray)
     if len(blank) == 0:
         return turned
     of_triangle = np.where(kept, piece, -1)[mesh.triangle_polygon]
-    sheets = {}
-    for number in np.unique(piece[whole]):
-        mine = np.flatnonzero(of_triangle == number)
-        corners = triangles[mine]
-        over = turned[mesh.triangle_polygon[mine]]
-        sheets[number] = np.where(over[:, None], corners[:, ::-1], corners)
-    depths = _depths(replace(mesh, vertices=local), sheets, set(blank.tolist()))
-    for number in blank:
+    over = turned[mesh.triangle_polygon]
+    triangles = np.where(over[:, None], triangles[:, ::-1], triangles)
+    order = np.argsort(of_triangle, kind="stable")
+    found, start = np.unique(of_triangle[order], return_index=True)
+    parts = np.split(triangles[order], start[1:])
+    sheets = {k: sheet for k, sheet in zip(found.tolist(), parts, strict=True) if k >= 0}
+    # What is open is no wall of a cavity.
+    closed = blank[_open(uses, piece + 1)[blank + 1] == 0]
+    depths = _depths(replace(mesh, vertices=local), sheets, set(closed.tolist()))
+    inward = []
+    for number in blank.tolist():
         a, b, c = (local[sheets[number][:, k]] for k in range(3))
         middle = (a + b + c).mean(axis=0) / 3.0
         outward = np.einsum("ij,ij->", a - middle, np.cross(b - middle, c - middle)) > 0
         if outward != (depths[number] % 2 == 0):
-            turned = turned ^ (kept & (piece == number))
-    return turned
+            inward.append(number)
+    return turned ^ (kept & np.isin(piece, inward))
 
 
 def _depths(moved: PolygonMesh, sheets: dict[int, IntArray], asked: set[int]) -> dict[int, int]:
     """Within how many others each of some sheets of triangles lies."""
     vertices = moved.vertices
-    numbers = list(sheets)
-    low = np.array([vertices[sheets[k]].min(axis=(0, 1)) for k in numbers])
-    high = np.array([vertices[sheets[k]].max(axis=(0, 1)) for k in numbers])
+    numbers = np.array(list(sheets))
+    low = np.array([vertices[sheet].min(axis=(0, 1)) for sheet in sheets.values()])
+    high = np.array([vertices[sheet].max(axis=(0, 1)) for sheet in sheets.values()])
     trees: dict[int, WindingTree] = {}
-    depths = dict.fromkeys(numbers, 0)
-    for i, inner in enumerate(numbers):
+    depths = dict.fromkeys(sheets, 0)
+    for i, inner in enumerate(sheets):
         if inner not in asked:
             continue
         around = ((low < low[i]) & (high > high[i])).all(axis=1)
-        for outer in np.array(numbers)[around].tolist():
+        for outer in numbers[around].tolist():
             if outer not in trees:
                 trees[outer] = WindingTree.of(of_triangles(moved, sheets[outer]))
             point = vertices[sheets[inner][0]].mean(axis=0)[None]

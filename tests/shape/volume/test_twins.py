@@ -8,6 +8,7 @@ import pytest
 from moseg_core.shape.mesh import PolygonMesh
 from moseg_core.shape.shape import Shape
 from moseg_core.shape.subshape import subshape
+from moseg_core.shape.volume import twins
 from moseg_core.shape.volume.orientation import EdgeUses
 from moseg_core.shape.volume.twins import one_of_each, one_sheet
 from tests import shapes
@@ -174,3 +175,17 @@ def test_the_first_that_looks_as_most_do_stands_for_all():
     assert not found.turned.any()
     assert found.twins == 3
     assert len(one_sheet(made).triangles) == len(found.triangles(made)) == 12
+
+
+def test_of_leaves_within_each_other_none_is_a_wall_of_a_cavity(monkeypatch):
+    def no_trees(*_):
+        raise AssertionError("what is open has no depth to be asked for")
+
+    monkeypatch.setattr(twins.WindingTree, "of", no_trees)
+    tent = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]), [(0, 1, 3), (2, 0, 3)]
+    leaves = joined(*(at(tent, -k / 2, -k / 2, -k / 2, scale=1.0 + k) for k in range(20)))
+    vertices, faces = doubled(leaves)
+    made = PolygonMesh.from_faces(vertices, faces)
+    found = one_of_each(made, EdgeUses.of(made))
+    assert found.twins == len(faces)
+    assert found.kept.sum() == len(faces) // 2
