@@ -117,7 +117,7 @@ class PointCloud(Geometry):
             if not weights.any():
                 raise ShapeError("all points are in one place: there is no surface to segment")
         else:
-            weights = np.where(finite, _finite("areas", areas, len(places), notes), 0.0)
+            weights = np.where(finite, _finite("areas", areas, finite, notes), 0.0)
             if (weights < 0).any() or not weights.any():
                 raise ShapeError("areas of points must not be negative, and not all of them 0")
         return cls(
@@ -127,7 +127,7 @@ class PointCloud(Geometry):
             triangles=np.empty((0, 3), np.int64),
             triangle_polygon=np.empty(0, np.int64),
             areas=weights,
-            normals=None if normals is None else _finite("normals", normals, len(places), notes),
+            normals=None if normals is None else _finite("normals", normals, finite, notes),
             stand_in=stand_in,
             notes=tuple(notes),
         )
@@ -175,13 +175,13 @@ def _stand_ins(finite: BoolArray) -> IntArray:
     return np.where(last < 0, np.argmax(finite), last)
 
 
-def _finite(what: str, given: npt.ArrayLike, count: int, notes: list[str]) -> FloatArray:
-    """The array, with 0 in rows that are not finite; says so in the notes."""
-    array = _rows(what, given, count)
-    wrong = ~np.isfinite(array.reshape(count, -1)).all(axis=1)
-    if wrong.any():
-        array[wrong] = 0.0
-        notes.append(f"{what} that are not finite: {int(wrong.sum())}; they are taken to be 0")
+def _finite(what: str, given: npt.ArrayLike, placed: BoolArray, notes: list[str]) -> FloatArray:
+    """The array, with 0 in rows that are not finite; says so of points that have a place."""
+    array = _rows(what, given, len(placed))
+    wrong = ~np.isfinite(array.reshape(len(placed), -1)).all(axis=1)
+    array[wrong] = 0.0
+    if count := int((wrong & placed).sum()):
+        notes.append(f"{what} that are not finite: {count}; they are taken to be 0")
     return array
 
 

@@ -117,7 +117,21 @@ def test_points_that_are_not_finite_stand_by_the_one_before_without_weight():
     given = PointCloud.from_points(gaps, areas=np.arange(13.0), normals=gaps)
     assert given.areas[lost].tolist() == [0.0] * 4
     assert given.normals[lost].tolist() == [[0.0] * 3] * 4
-    assert given.notes[1] == "normals that are not finite: 4; they are taken to be 0"
+    assert len(given.notes) == 1
+
+
+def test_areas_and_normals_that_are_not_finite_are_counted_where_points_have_a_place():
+    points = np.random.default_rng(0).random((9, 3))
+    points[4] = np.nan
+    areas, normals = np.ones(9), points.copy()
+    areas[[2, 4]], normals[[1, 2]] = np.nan, np.inf
+    cloud = PointCloud.from_points(points, areas=areas, normals=normals)
+    assert cloud.areas.tolist() == [1, 1, 0, 1, 0, 1, 1, 1, 1]
+    assert cloud.normals[[1, 2, 4]].tolist() == [[0.0] * 3] * 3
+    assert cloud.notes[1:] == (
+        "areas that are not finite: 1; they are taken to be 0",
+        "normals that are not finite: 2; they are taken to be 0",
+    )
 
 
 def test_neighbours_are_those_of_the_points_that_have_a_place():
