@@ -17,14 +17,14 @@ from moseg_core.cli.flags import (
     ShapeFlags,
     SteeringFlags,
 )
+from moseg_core.cli.overview import EPILOGUE, PURPOSE, VERSION_LINE
 from moseg_core.cli.plugin_app import plugin_app
-from moseg_core.components.discovery.contract import VERSION
 
 app = App(
     name="moseg",
-    version=f"moseg {VERSION}",
-    help="Say what the parts of a shape are like; get the shape cut into named parts.",
-    help_epilogue="Bundles bring further commands: see 'moseg plugin list'.",
+    version=VERSION_LINE,
+    help=PURPOSE,
+    help_epilogue=EPILOGUE,
     help_on_error=False,
 )
 app.command(plugin_app)

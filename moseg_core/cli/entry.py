@@ -1,4 +1,4 @@
-"""Running a command: those of bundles among them, errors as messages and exit codes."""
+"""Running a command: errors as messages and exit codes."""
 
 from __future__ import annotations
 
@@ -6,11 +6,8 @@ import os
 import sys
 from collections.abc import Sequence
 
-from cyclopts import CycloptsError
-
-from moseg_core.cli.app import app
-from moseg_core.components.discovery.registry import registry
-from moseg_core.errors import MosegError, Terminated, UsageError, unknown
+from moseg_core.cli.overview import overview_of
+from moseg_core.errors import MosegError, Terminated, UsageError
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -30,40 +27,39 @@ def main(arguments: Sequence[str] | None = None) -> None:
     sys.exit(_run(list(sys.argv[1:] if arguments is None else arguments)))
 
 
-def _add_foreign_command(asked: str) -> None:
-    """Add the command asked for where it is a bundle's; the core's own come first.
-
-    Only that one is imported.
+def _obey(arguments: Sequence[str]) -> None:
+    """Do what is asked; the parser, and what the command needs, are imported for it alone.
 
     Raises
     ------
-    UsageError
-        Nobody has such a command, or several bundles have.
-    PluginError
-        It cannot be imported.
+    MosegError
+        As the command does; a :class:`~moseg_core.errors.UsageError` where the parser does not
+        understand the arguments.
     """
-    if asked.startswith("-") or asked in app:
+    overview = overview_of(arguments, sys.stdout)
+    if overview is not None:
+        print(overview)
         return
-    commands = registry().components("command")
-    if not any(asked in (command.id, command.spec.name) for command in commands):
-        own = [name for name in app if not name.startswith("-")]
-        known = [*own, *(command.spec.name for command in commands)]
-        hint = "see 'moseg --help', and 'moseg plugin list' for those of bundles"
-        raise UsageError(f"{unknown('command', asked, known)} ({hint})")
-    # An App has a help of its own; of a function the docstring is the help.
-    app.command(registry().find("command", asked).load(), name=asked)
+    from cyclopts import CycloptsError
+
+    from moseg_core.cli.app import app
+
+    if not arguments[0].startswith("-") and arguments[0] not in app:
+        from moseg_core.cli.foreign import add_foreign_command
+
+        add_foreign_command(arguments[0])
+    try:
+        command, bound, _ = app.parse_args(arguments, exit_on_error=False, print_error=False)
+        command(*bound.args, **bound.kwargs)
+    except CycloptsError as error:
+        words = " ".join(str(error).split())
+        raise UsageError(f"{words} (see 'moseg --help')") from error
 
 
 def _run(arguments: list[str]) -> int:
     try:
-        _add_foreign_command(arguments[0] if arguments else "--help")
-        command, bound, _ = app.parse_args(arguments, exit_on_error=False, print_error=False)
-        command(*bound.args, **bound.kwargs)
+        _obey(arguments)
         sys.stdout.flush()
-    except CycloptsError as error:
-        words = " ".join(str(error).split())
-        print(f"moseg: {words} (see 'moseg --help')", file=sys.stderr)
-        return 2
     except MosegError as error:
         print(f"moseg: {error}", file=sys.stderr)
         return error.exit_code

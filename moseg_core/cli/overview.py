@@ -1,0 +1,105 @@
+"""What ``moseg`` says of itself: the list of commands, and its version.
+
+It is the first that anybody asks of a program, and answered at once: no argument is parsed for it,
+so neither the parser of the command line nor what lays out tables is imported. Everything else,
+the help of each command among it, is the parser's (:mod:`moseg_core.cli.app`), and a test holds
+this list to what the parser would have printed.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import textwrap
+from collections.abc import Sequence
+from typing import TextIO
+
+from moseg_core.components.discovery.contract import VERSION
+
+PURPOSE = "Say what the parts of a shape are like; get the shape cut into named parts."
+EPILOGUE = "Bundles bring further commands: see 'moseg plugin list'."
+VERSION_LINE = f"moseg {VERSION}"
+
+#: What there is to ask for, with what each does: the first line of its own help.
+ENTRIES = {
+    "evaluate": "Compare a labelling with true ones: the measures of the Princeton benchmark, and"
+    " names.",
+    "explain": "Show what a segmentation costs, by term and part.",
+    "field": "Show a field: a number for each element of a shape, such as how thick it is there.",
+    "plot": "Draw how a search went: cost per generation and per iteration, and what the starts"
+    " came to.",
+    "plugin": "Installed bundles of objectives, seeders, formats and more.",
+    "recipes": "List installed recipes, or print one as it was shipped, to change it.",
+    "sample": "Write a sample shape, to try things on.",
+    "segment": "Cut a shape into named parts.",
+    "--help (-h)": "Display this message and exit.",
+    "--version": "Display application version.",
+}
+
+#: Columns below which lines get no shorter.
+_NARROWEST = 40
+
+
+def overview_of(arguments: Sequence[str], stream: TextIO) -> str | None:
+    """The text that answers a command line, where that asks for no command; else None.
+
+    Parameters
+    ----------
+    arguments : sequence of str
+        Those of the command line.
+    stream : file
+        Where the text will be written; a terminal gets colours, unless ``NO_COLOR`` is set.
+
+    Examples
+    --------
+    >>> import sys
+    >>> overview_of(["--help"], sys.stdout).splitlines()[0]
+    'Usage: moseg COMMAND'
+    >>> overview_of(["segment", "--help"], sys.stdout) is None
+    True
+    """
+    if list(arguments) == ["--version"]:
+        return VERSION_LINE
+    if list(arguments) not in ([], ["--help"], ["-h"]):
+        return None
+    styled = stream.isatty() and "NO_COLOR" not in os.environ
+    return draw_overview(
+        shutil.get_terminal_size().columns,
+        styled=styled,
+        unicode=(stream.encoding or "").lower().startswith("utf"),
+    )
+
+
+def draw_overview(width: int, *, styled: bool = False, unicode: bool = True) -> str:
+    """The list of commands in a frame.
+
+    Parameters
+    ----------
+    width : int
+        Columns of a line; at least 40 are taken.
+    styled : bool
+        Whether names are coloured, by the codes that terminals understand.
+    unicode : bool
+        Whether the frame may be of other characters than those of ASCII.
+    """
+    width = max(width, _NARROWEST)
+    bold, cyan, plain = ("\x1b[1m", "\x1b[36m", "\x1b[0m") if styled else ("", "", "")
+    top_left, top_right, bottom_left, bottom_right, across, down = (
+        "╭╮╰╯─│" if unicode else "++++-|"
+    )
+    longest = max(map(len, ENTRIES))
+    room = width - len("| ") - longest - len("  ") - len(" |")
+    title = f"{top_left}{across} Commands "
+    lines = [
+        f"{bold}Usage: moseg COMMAND{plain}",
+        "",
+        *textwrap.wrap(PURPOSE, width),
+        "",
+        title + across * (width - len(title) - 1) + top_right,
+    ]
+    for name, summary in ENTRIES.items():
+        for row, text in enumerate(textwrap.wrap(summary, room)):
+            said = "" if row else name
+            lines.append(f"{down} {cyan}{said:{longest}}{plain}  {text:{room}} {down}")
+    lines += [bottom_left + across * (width - 2) + bottom_right, ""]
+    return "\n".join([*lines, *textwrap.wrap(EPILOGUE, width)])
