@@ -9,6 +9,7 @@ from typing import Annotated, Literal
 
 from cyclopts import App, Parameter
 
+from moseg_core.cli.collection import importing
 from moseg_core.cli.flags import (
     Flag,
     ProblemFlags,
@@ -85,8 +86,9 @@ def segment(
     quiet
         Print no messages, progress or tables.
     """
-    from moseg_core.cli.profile import printing_profile
-    from moseg_core.cli.segment import run_segment
+    with importing():
+        from moseg_core.cli.profile import printing_profile
+        from moseg_core.cli.segment import run_segment
 
     with printing_profile() if profile else nullcontext():
         run_segment(
@@ -133,7 +135,8 @@ def explain(
     json
         Print JSON instead of a table.
     """
-    from moseg_core.cli.explain import run_explain
+    with importing():
+        from moseg_core.cli.explain import run_explain
 
     run_explain(
         source,
@@ -187,7 +190,8 @@ def evaluate(
     json
         Print JSON instead of tables.
     """
-    from moseg_core.cli.evaluate import run_evaluate
+    with importing():
+        from moseg_core.cli.evaluate import run_evaluate
 
     run_evaluate(
         shape,
@@ -296,7 +300,8 @@ def field(
     json
         Print JSON instead of a table.
     """
-    from moseg_core.cli.field import run_field
+    with importing():
+        from moseg_core.cli.field import run_field
 
     run_field(shape, name, recipe=recipe, reading=reading, outputs=out or [], as_json=json)
 

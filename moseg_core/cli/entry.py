@@ -6,6 +6,7 @@ import os
 import sys
 from collections.abc import Sequence
 
+from moseg_core.cli.collection import at_exit, importing
 from moseg_core.cli.overview import overview_of
 from moseg_core.errors import MosegError, Terminated, UsageError
 
@@ -24,6 +25,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
         With 0, or the exit code of what went wrong (:mod:`moseg_core.errors`); 130 when
         interrupted, 143 when told to end by SIGTERM.
     """
+    if arguments is None:  # a process of its own
+        at_exit()
     sys.exit(_run(list(sys.argv[1:] if arguments is None else arguments)))
 
 
@@ -40,9 +43,10 @@ def _obey(arguments: Sequence[str]) -> None:
     if overview is not None:
         print(overview)
         return
-    from cyclopts import CycloptsError
+    with importing():
+        from cyclopts import CycloptsError
 
-    from moseg_core.cli.app import app
+        from moseg_core.cli.app import app
 
     if not arguments[0].startswith("-") and arguments[0] not in app:
         from moseg_core.cli.foreign import add_foreign_command

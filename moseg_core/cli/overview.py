@@ -84,9 +84,7 @@ def draw_overview(width: int, *, styled: bool = False, unicode: bool = True) -> 
     """
     width = max(width, _NARROWEST)
     bold, cyan, plain = ("\x1b[1m", "\x1b[36m", "\x1b[0m") if styled else ("", "", "")
-    top_left, top_right, bottom_left, bottom_right, across, down = (
-        "╭╮╰╯─│" if unicode else "++++-|"
-    )
+    top_left, top_right, bottom_left, bottom_right, across, down = "╭╮╰╯─│" if unicode else "++++-|"
     longest = max(map(len, ENTRIES))
     room = width - len("| ") - longest - len("  ") - len(" |")
     title = f"{top_left}{across} Commands "

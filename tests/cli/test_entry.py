@@ -10,6 +10,7 @@ import pytest
 
 from moseg_core.errors import MosegError, PluginError, ShapeError, UsageError
 
+
 def run_command(moseg, monkeypatch, error):
     """What ``moseg recipes`` ends with where it raises."""
 
