@@ -87,10 +87,12 @@ def segment(
         Print no messages, progress or tables.
     """
     with importing():
+        from moseg_core.cli.console import announcing_compilation
         from moseg_core.cli.profile import printing_profile
         from moseg_core.cli.segment import run_segment
 
-    with printing_profile() if profile else nullcontext():
+    profiling = printing_profile() if profile else nullcontext()
+    with announcing_compilation(quiet=quiet), profiling:
         run_segment(
             shape,
             problem_flags=problem,

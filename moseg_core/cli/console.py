@@ -22,6 +22,7 @@ from rich.table import Table
 
 from moseg_core.components.protocols import Progress, Report
 from moseg_core.problem.aggregate import Evaluation
+from moseg_core.shape.compiled import telling_of_compilation
 
 _WIDTH_OFF_TERMINAL = 120
 #: Seconds between two drawings of the progress bars.
@@ -125,6 +126,19 @@ def progress_lines(clock: Callable[[], float] = time.monotonic) -> Report:
         return False
 
     return report
+
+
+@contextmanager
+def announcing_compilation(*, quiet: bool) -> Iterator[None]:
+    """Within this context, whoever waits at a terminal is told when kernels are compiled.
+
+    Logs are not: what they hold would depend on what ran before.
+    """
+    if quiet or not sys.stderr.isatty():
+        yield
+        return
+    with telling_of_compilation(lambda: message("compiling kernels once, some seconds")):
+        yield
 
 
 @contextmanager

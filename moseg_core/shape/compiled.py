@@ -1,23 +1,106 @@
 """How kernels are compiled: without the GIL, and kept on disk for the next process where possible.
 
-numba keeps compiled code beside the source file or in the user's cache folder. Where neither can
-be written, as in some containers, kernels are compiled anew in every process.
+numba finds the folder: beside the source file, else the user's cache folder, or what
+``NUMBA_CACHE_DIR`` names. How a kernel lies there is :mod:`moseg_core.shape.kernel_files`'. Where
+nothing can be kept, as in some containers and on a full disk, kernels are compiled anew in every
+process, and a warning says so once.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import TypeVar, cast
+import os
+import warnings
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any, TypeVar, cast
 
 from numba import njit
+from numba.core import event
+from numba.core.caching import FunctionCache, NullCache
+
+from moseg_core.shape.kernel_files import KernelFiles
 
 Function = TypeVar("Function", bound=Callable[..., object])
 
 
 def kernel(function: Function) -> Function:
     """Compile a function of arrays and numbers on its first call."""
+    compiled = njit(nogil=True)(function)
+    # numba's own `cache=True` comes to the same attribute, with files that are not checked.
     try:
-        compiled = njit(cache=True, nogil=True)(function)
+        compiled._cache = _Kept(function)
     except RuntimeError:  # numba found no folder that it may write to
-        compiled = njit(nogil=True)(function)
+        compiled._cache = _NotKept()
     return cast(Function, compiled)
+
+
+class _Kept(FunctionCache):  # type: ignore[misc]  # numba ships no types
+    """What numba asks for compiled code, and gives it to."""
+
+    def __init__(self, function: Callable[..., object]) -> None:
+        super().__init__(function)
+        self._cache_file = KernelFiles(
+            self.cache_path, function, self._impl.locator.get_source_stamp()
+        )
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        """Keep what was compiled, if that can be."""
+        try:
+            super().save_overload(sig, data)
+        except OSError as error:
+            _warn_of_nothing_kept(f"in '{self.cache_path}': {error.strerror or error}")
+
+
+class _NotKept(NullCache):  # type: ignore[misc]  # numba ships no types
+    """The same where there is no folder."""
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        """Keep nothing."""
+        _warn_of_nothing_kept(
+            f"in the folder '{os.path.dirname(__file__)}', nor in the user's cache folder"
+        )
+
+
+_warned = False
+
+
+def _warn_of_nothing_kept(where: str) -> None:
+    global _warned
+    if not _warned:
+        _warned = True
+        warnings.warn(
+            f"compiled kernels cannot be kept {where}; every process compiles them anew, which"
+            " takes some seconds. Set NUMBA_CACHE_DIR to a folder that can be written to",
+            RuntimeWarning,
+            stacklevel=2,
+        )
+
+
+class _FirstCompilation(event.Listener):  # type: ignore[misc]  # numba ships no types
+    """Tells once that this process compiles; processes copied from it stay silent."""
+
+    def __init__(self, tell: Callable[[], None]) -> None:
+        self._tell: Callable[[], None] | None = tell
+        self._process = os.getpid()
+
+    def on_start(self, event: Any) -> None:
+        """Hear that a function is about to be compiled."""
+        tell, self._tell = self._tell, None
+        if tell is not None and os.getpid() == self._process:
+            tell()
+
+    def on_end(self, event: Any) -> None:
+        """Hear that it is done."""
+
+
+@contextmanager
+def telling_of_compilation(tell: Callable[[], None]) -> Iterator[None]:
+    """Within this context, `tell` is called when this process first compiles something.
+
+    Parameters
+    ----------
+    tell : callable
+        Called at most once, without arguments, and not where kernels are found on disk.
+    """
+    with event.install_listener("numba:compile", _FirstCompilation(tell)):
+        yield

@@ -15,8 +15,10 @@ import sys
 from textwrap import dedent
 
 import pytest
+from numba import njit
 
 from moseg_core.cli.console import (
+    announcing_compilation,
     console,
     disagreement_lines,
     message,
@@ -195,6 +197,16 @@ def test_progress_is_shown_on_a_terminal_only(monkeypatch, quiet):
             assert "k-means 2" in shown
             assert "cost 0.25 (1 empty)" in shown
             assert "polish 7" in shown
+
+
+@pytest.mark.parametrize("quiet", [False, True])
+def test_compilation_is_announced_on_a_terminal_only(monkeypatch, quiet):
+    for stream in (io.StringIO(), Terminal()):
+        monkeypatch.setattr(sys, "stderr", stream)
+        with announcing_compilation(quiet=quiet):
+            njit(lambda number: number + 1)(1)
+        expected = "moseg: compiling kernels once, some seconds\n"
+        assert stream.getvalue() == (expected if stream.isatty() and not quiet else "")
 
 
 def test_bars_of_other_numbers_of_parts_make_room(monkeypatch):
