@@ -25,8 +25,8 @@ Function = TypeVar("Function", bound=Callable[..., object])
 
 def kernel(function: Function) -> Function:
     """Compile a function of arrays and numbers on its first call."""
-    compiled = njit(nogil=True)(function)
-    # numba's own `cache=True` comes to the same attribute, with files that are not checked.
+    compiled: Any = njit(nogil=True)(function)
+    # `cache=True` would set the same attribute.
     try:
         compiled._cache = _Kept(function)
     except RuntimeError:  # numba found no folder that it may write to
@@ -34,11 +34,13 @@ def kernel(function: Function) -> Function:
     return cast(Function, compiled)
 
 
-class _Kept(FunctionCache):  # type: ignore[misc]  # numba ships no types
+class _Kept(FunctionCache):
     """What numba asks for compiled code, and gives it to."""
 
+    _cache_file: Any  # numba's has the same methods, and files that are not checked
+
     def __init__(self, function: Callable[..., object]) -> None:
-        super().__init__(function)
+        super().__init__(function)  # type: ignore[no-untyped-call]  # numba is typed in part
         self._cache_file = KernelFiles(
             self.cache_path, function, self._impl.locator.get_source_stamp()
         )
@@ -46,12 +48,12 @@ class _Kept(FunctionCache):  # type: ignore[misc]  # numba ships no types
     def save_overload(self, sig: Any, data: Any) -> None:
         """Keep what was compiled, if that can be."""
         try:
-            super().save_overload(sig, data)
+            super().save_overload(sig, data)  # type: ignore[no-untyped-call]  # as above
         except OSError as error:
             _warn_of_nothing_kept(f"in '{self.cache_path}': {error.strerror or error}")
 
 
-class _NotKept(NullCache):  # type: ignore[misc]  # numba ships no types
+class _NotKept(NullCache):
     """The same where there is no folder."""
 
     def save_overload(self, sig: Any, data: Any) -> None:
@@ -76,7 +78,7 @@ def _warn_of_nothing_kept(where: str) -> None:
         )
 
 
-class _FirstCompilation(event.Listener):  # type: ignore[misc]  # numba ships no types
+class _FirstCompilation(event.Listener):
     """Tells once that this process compiles; processes copied from it stay silent."""
 
     def __init__(self, tell: Callable[[], None]) -> None:

@@ -79,7 +79,7 @@ class KernelFiles:
         OSError
             It cannot be written.
         """
-        packed = dumps(data)
+        packed = dumps(data)  # type: ignore[no-untyped-call]  # numba is typed in part
         path = self._folder / self._name(key)
         passing = path.with_suffix(f".{uuid.uuid4().hex[:16]}")
         try:

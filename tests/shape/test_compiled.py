@@ -38,7 +38,7 @@ def fresh(tmp_path, monkeypatch):
     module.write_text(inspect.getsource(doubled))
 
     def make():
-        names = {"np": np}
+        names = {"np": np, "__name__": __name__}
         exec(compile(module.read_text(), str(module), "exec"), names)
         return compiled.kernel(names["doubled"])
 

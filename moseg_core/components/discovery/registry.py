@@ -157,11 +157,14 @@ class Registry:
 
     def __init__(self, bundles: Sequence[Bundle]) -> None:
         self.bundles = tuple(bundles)
+        self._components = [c for bundle in self.bundles for c in bundle.components]
+        self._of_kind: dict[Kind, list[Component]] = {}
+        for component in self._components:
+            self._of_kind.setdefault(component.kind, []).append(component)
 
     def components(self, kind: Kind | None = None) -> list[Component]:
         """Components of one kind, or all, in the order of their bundles."""
-        found = [component for bundle in self.bundles for component in bundle.components]
-        return [component for component in found if kind is None or component.kind == kind]
+        return list(self._components if kind is None else self._of_kind.get(kind, ()))
 
     def names(self, kind: Kind) -> list[str]:
         """What a user can call the components of a kind, shortest form, sorted."""
