@@ -17,6 +17,7 @@ from typing import Any, TypeVar, cast
 from numba import njit
 from numba.core import event
 from numba.core.caching import FunctionCache, NullCache
+from numba.core.dispatcher import Dispatcher
 
 from moseg_core.shape.kernel_files import KernelFiles
 
@@ -38,12 +39,16 @@ class _Kept(FunctionCache):
     """What numba asks for compiled code, and gives it to."""
 
     _cache_file: Any  # numba's has the same methods, and files that are not checked
+    stamp: tuple[object, ...]
+    """What tells versions of the source from each other."""
 
     def __init__(self, function: Callable[..., object]) -> None:
         super().__init__(function)  # type: ignore[no-untyped-call]  # numba is typed in part
-        self._cache_file = KernelFiles(
-            self.cache_path, function, self._impl.locator.get_source_stamp()
-        )
+        # Code of the kernels that it calls becomes part of its own.
+        named = (function.__globals__.get(name) for name in function.__code__.co_names)
+        kept = [cache for called in named if isinstance(cache := _cache_of(called), _Kept)]
+        self.stamp = (self._impl.locator.get_source_stamp(), *(cache.stamp for cache in kept))
+        self._cache_file = KernelFiles(self.cache_path, function, self.stamp)
 
     def save_overload(self, sig: Any, data: Any) -> None:
         """Keep what was compiled, if that can be."""
@@ -51,6 +56,10 @@ class _Kept(FunctionCache):
             super().save_overload(sig, data)  # type: ignore[no-untyped-call]  # as above
         except OSError as error:
             _warn_of_nothing_kept(f"in '{self.cache_path}': {error.strerror or error}")
+
+
+def _cache_of(value: object) -> object:
+    return getattr(value, "_cache", None) if isinstance(value, Dispatcher) else None
 
 
 class _NotKept(NullCache):

@@ -63,6 +63,26 @@ def test_another_process_would_find_it(fresh):
     assert (again.stats.cache_hits.total(), again.stats.cache_misses.total()) == (1, 0)
 
 
+def test_a_kernel_is_compiled_anew_when_one_that_it_calls_has_changed(tmp_path, monkeypatch):
+    monkeypatch.setattr("numba.core.config.CACHE_DIR", "")
+    outer = "def outer(number):\n    return inner(number)\n"
+
+    def make(inner):
+        """The outer kernel, as a process would find it after an edit of the inner one."""
+        names = {"__name__": __name__}
+        for name, source in (("inner", inner), ("outer", outer)):
+            (tmp_path / f"{name}.py").write_text(source)
+            exec(compile(source, str(tmp_path / f"{name}.py"), "exec"), names)
+            names[name] = compiled.kernel(names[name])
+        return names["outer"]
+
+    assert make("def inner(number):\n    return number + 1\n")(1) == 2
+    again = make("def inner(number):\n    return number + 1\n")
+    assert again(1) == 2
+    assert again.stats.cache_hits.total() == 1
+    assert make("def inner(number):\n    return number + 2\n")(1) == 3
+
+
 def cut(content):
     return content[: len(content) // 2]
 
