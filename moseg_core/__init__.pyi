@@ -99,6 +99,7 @@ from moseg_core.search.workers import Workers as Workers
 from moseg_core.search.workers import available_workers as available_workers
 from moseg_core.shape.adjacency import Adjacency as Adjacency
 from moseg_core.shape.coarse import coarsen as coarsen
+from moseg_core.shape.compiled import kernel as kernel
 from moseg_core.shape.data import Frame as Frame
 from moseg_core.shape.geometry import Geometry as Geometry
 from moseg_core.shape.links import Links as Links

@@ -18,7 +18,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from moseg_core.shape.adjacency import ranges
+from moseg_core.shape.compiled import kernel
 from moseg_core.shape.geometry import Geometry
 from moseg_core.types import BoolArray, FloatArray, IntArray, frozen
 
@@ -54,22 +54,44 @@ class HullCorners:
     def of(self, groups: IntArray) -> IntArray:
         """(m,) int: the vertices of some groups, ascending, each once."""
         marked: BoolArray = np.zeros(self.n_vertices, np.bool_)
-        self._mark(groups, marked)
+        level: HullCorners | None = self
+        while level is not None:
+            whole = np.zeros(0 if level.of_blocks is None else len(level._sizes), np.bool_)
+            _mark(groups, level.vertices, level.starts, level.blocks, level._sizes, marked, whole)
+            groups, level = np.flatnonzero(whole), level.of_blocks
         return np.flatnonzero(marked)
-
-    def _mark(self, groups: IntArray, marked: BoolArray) -> None:
-        """Mark the vertices of whole blocks, and of the groups that are in none."""
-        if self.of_blocks is not None:
-            whole = np.bincount(self.blocks[groups], minlength=len(self._sizes)) == self._sizes
-            self.of_blocks._mark(np.flatnonzero(whole), marked)
-            groups = groups[~whole[self.blocks[groups]]]
-        marked[self.vertices[ranges(self.starts, groups)]] = True
 
     @cached_property
     def _sizes(self) -> IntArray:
         """How many groups are in each block."""
         sizes: IntArray = np.bincount(self.blocks)
         return sizes
+
+
+@kernel
+def _mark(
+    groups: IntArray,
+    vertices: IntArray,
+    starts: IntArray,
+    blocks: IntArray,
+    sizes: IntArray,
+    marked: BoolArray,
+    whole: BoolArray,
+) -> None:
+    """Mark which blocks are there as a whole, and the vertices of groups that are in none of them.
+
+    `whole` is empty where no more is known of blocks than of their groups.
+    """
+    missing = sizes.copy()
+    if len(whole):
+        for g in groups:
+            missing[blocks[g]] -= 1
+        for block in range(len(whole)):
+            whole[block] = missing[block] == 0
+    for g in groups:
+        if missing[blocks[g]]:
+            for k in range(starts[g], starts[g + 1]):
+                marked[vertices[k]] = True
 
 
 def find_hull_corners(geometry: Geometry, members: IntArray, points: FloatArray) -> HullCorners:

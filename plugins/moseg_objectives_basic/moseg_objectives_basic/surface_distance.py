@@ -7,9 +7,9 @@ being cut into equal smaller ones first, so that a coarse mesh is integrated as 
 one. What a centroid misses of a square within its piece is at most 1/4800 of the squared diagonal
 (three sides of a twentieth, squared, over 36), and mostly far less.
 
-Distances are to the surface, not to its vertices, from libigl's bounding-box tree. To a needle
-less than about a millionth as wide as it is long they may come out too large, never too small;
-beside a wider triangle this does not show.
+Distances are to the surface, not to its vertices (:mod:`moseg_objectives_basic.surface_tree`). To a
+needle less than about a millionth as wide as it is long they may come out too large, never too
+small; beside a wider triangle this does not show.
 
 Points of a cloud are samples as they are, with their areas. Of cells that fill a solid the exposed
 faces count; a part that has none of them is sampled in its cells' middles.
@@ -20,14 +20,11 @@ solids, of whose elements most have no surface.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
-
-import igl
 import numpy as np
 import numpy.typing as npt
 
 from moseg_core import Part
+from moseg_objectives_basic.surface_tree import SurfaceTree
 from moseg_objectives_basic.thinned import thinned
 
 FloatArray = npt.NDArray[np.float64]
@@ -107,27 +104,6 @@ def _sub_centroids(n: int) -> FloatArray:
     return np.stack([n - a - b, a, b], axis=1) / n
 
 
-@dataclass(frozen=True)
-class SurfaceTree:
-    """A bounding-box tree over triangles, for distances to them.
-
-    Parameters
-    ----------
-    vertices : (v, 3) float
-    triangles : (t, 3) int
-    tree : igl.AABB
-    """
-
-    vertices: FloatArray
-    triangles: npt.NDArray[np.int64]
-    tree: Any
-
-    def squared_distances(self, points: FloatArray) -> FloatArray:
-        """(k,) float: squared distance of each point to the surface, model units squared."""
-        query = np.ascontiguousarray(points)
-        return np.asarray(self.tree.squared_distance(self.vertices, self.triangles, query)[0])
-
-
 def surface_tree(part: Part) -> SurfaceTree:
     """Search tree over a part's triangles.
 
@@ -143,10 +119,7 @@ def surface_tree(part: Part) -> SurfaceTree:
     found = few.surface(part) if few else None
     if found is None:
         found = part.vertices, part.triangles
-    vertices, triangles = np.ascontiguousarray(found[0]), np.ascontiguousarray(found[1])
-    tree = igl.AABB()
-    tree.init(vertices, triangles)
-    return SurfaceTree(vertices, triangles, tree)
+    return SurfaceTree.of(*found)
 
 
 def normalized_mean(part: Part, squared: FloatArray, weights: FloatArray) -> float:

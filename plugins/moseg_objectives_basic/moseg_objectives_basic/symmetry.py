@@ -29,7 +29,6 @@ from moseg_objectives_basic.surface_distance import normalized_mean
 
 FloatArray = npt.NDArray[np.float64]
 
-_BLOCKS = 16
 _COINCIDENT = 1e-6
 _MOST_PAIRS = 4
 # Far from the turns that leave a regular prism of two to twelve sides as it is: for each number
@@ -144,30 +143,17 @@ def _least_mean_distance(part: Part, angles: FloatArray) -> float:
     points, weights = part.measure("basic:surface_samples")
     tree = part.measure("basic:surface_tree")
     local = points - part.centroid
-    blocks = [slice(k, None, _BLOCKS) for k in range(min(_BLOCKS, len(points)))]
-    axes = part.axes[_well_defined(part)]
-    turns = [Rotation.from_rotvec(angles[:, None] * axis).as_matrix() for axis in axes]
-
-    def add(i: int, block: slice) -> float:
-        """Weighted sum of the squared distances of one block of samples in all turns."""
-        # The distance from x to a turned part is that from x, turned back, to the part; the
-        # inverse of each turn is another one.
-        turned = local[block] @ turns[i] + part.centroid
-        squared = tree.squared_distances(turned.reshape(-1, 3)).reshape(len(angles), -1)
-        return float((squared @ weights[block]).sum())
-
-    # The most promising axis first; another is given up once its sum is past the least.
-    sums = [add(i, blocks[0]) for i in range(len(axes))]
-    least = np.inf
-    for i in sorted(range(len(axes)), key=sums.__getitem__):
-        for block in blocks[1:]:
-            if sums[i] > least:
-                break
-            sums[i] += add(i, block)
-        else:
-            least = min(least, sums[i])
+    turns = [
+        Rotation.from_rotvec(angles[:, None] * axis).as_matrix()
+        for axis in part.axes[_well_defined(part)]
+    ]
+    # The distance from x to a turned part is that from x, turned back, to the part; the inverse of
+    # each turn is another one.
+    images = ((local @ turn + part.centroid).reshape(-1, 3) for turn in turns)
+    weights = np.tile(weights, len(angles))
+    least = (weights * tree.least_distances(images, weights)).sum()
     reach = ((part.vertices - part.centroid) ** 2).sum(axis=1).max()
-    return float(least / (weights.sum() * len(angles) * 4.0 * reach))
+    return float(least / (weights.sum() * 4.0 * reach))
 
 
 def _well_defined(part: Part) -> list[int]:
@@ -218,28 +204,7 @@ def planar_symmetric(part: Part) -> float:
     """
     points, weights = part.measure("basic:surface_samples")
     tree = part.measure("basic:surface_tree")
-    blocks = [slice(k, None, _BLOCKS) for k in range(min(_BLOCKS, len(points)))]
-    squared = np.empty((3, len(points)))
-
-    def add(i: int, block: slice) -> float:
-        """Distances of one block of samples to the image across axis `i`; their weighted sum."""
-        axis = part.axes[i]
-        across = (points[block] - part.centroid) @ axis
-        # The distance from x to the mirror image is that from the mirrored x to the part.
-        mirrored = points[block] - 2.0 * across[:, None] * axis
-        squared[i, block] = tree.squared_distances(mirrored)
-        return float((weights[block] * squared[i, block]).sum())
-
-    # The most promising axis first; another is given up once its sum is past the least, with
-    # room for rounding. This leaves out most distances, and none that matter.
-    sums = [add(i, blocks[0]) for i in range(3)]
-    least, bound = np.inf, np.inf
-    for i in sorted(range(3), key=sums.__getitem__):
-        for block in blocks[1:]:
-            if sums[i] > bound * (1.0 + 1e-6):
-                break
-            sums[i] += add(i, block)
-        else:
-            least = min(least, normalized_mean(part, squared[i], weights))
-            bound = min(bound, sums[i])
-    return least
+    across = [(points - part.centroid) @ axis for axis in part.axes]
+    # The distance from x to the mirror image is that from the mirrored x to the part.
+    images = (points - 2.0 * x[:, None] * axis for x, axis in zip(across, part.axes, strict=True))
+    return normalized_mean(part, tree.least_distances(images, weights), weights)
