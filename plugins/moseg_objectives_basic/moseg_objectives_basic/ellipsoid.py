@@ -23,7 +23,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from moseg_core import Part, objective
+from moseg_core import Part, kernel, objective
 from moseg_objectives_basic.surface_distance import normalized_mean
 
 FloatArray = npt.NDArray[np.float64]
@@ -64,32 +64,45 @@ def squared_distances_to_ellipsoid(points: FloatArray, radii: FloatArray) -> Flo
     # A product so small has a factor below 1e-75: nothing as a length, but its square underflows
     # and quotients overflow.
     pull[pull < 1e-150] = 0.0
-    s = np.maximum((pull - gap).max(axis=1), np.linalg.norm(pull, axis=1) - gap[2]).clip(0.0)
-    still = np.flatnonzero(s == 0.0)
-    at_zero = (_terms(pull[still], gap, s[still]) ** 2).sum(axis=1)
-    middle = still[at_zero <= 1.0]
-    moving = np.setdiff1d(np.arange(len(y)), middle, assume_unique=True)
-    for _ in range(_MOST_STEPS):
-        current = s[moving]
-        squares = _terms(pull[moving], gap, current) ** 2
-        length = np.sqrt(squares.sum(axis=1))
-        far = length > 1.0 + _CLOSE
-        if not far.any():
-            break
-        moving, current, squares, length = moving[far], current[far], squares[far], length[far]
-        reach = current[:, None] + gap
-        pace = np.divide(squares, reach, out=np.zeros_like(squares), where=squares > 0).sum(axis=1)
-        s[moving] = current + (length - 1.0) * length**2 / pace
-    nearest = e * _terms(pull, gap, s)
-    nearest[middle, 0] = e[0] * np.sqrt(1.0 - at_zero[at_zero <= 1.0])
-    squared: FloatArray = ((nearest - y) ** 2).sum(axis=1) * size**2
+    return _squared_distances(y, e, pull, gap) * size**2
+
+
+@kernel
+def _squared_distances(
+    y: FloatArray, e: FloatArray, pull: FloatArray, gap: FloatArray
+) -> FloatArray:
+    """(k,) float: squared distance of points ``y >= 0``; radii ``e`` ascend."""
+    squared = np.empty(len(y))
+    for p in range(len(y)):
+        s = 0.0
+        for i in range(3):
+            s = max(s, pull[p, i] - gap[i])
+        s = max(s, np.sqrt(pull[p, 0] ** 2 + pull[p, 1] ** 2 + pull[p, 2] ** 2) - gap[2])
+        middle, square = False, 0.0
+        for _ in range(_MOST_STEPS):
+            square, pace = 0.0, 0.0
+            for i in range(3):
+                term = _term(pull[p, i], s + gap[i])
+                square += term**2
+                pace += term**2 / (s + gap[i]) if term > 0.0 else 0.0
+            length, middle = np.sqrt(square), s == 0.0 and square <= 1.0
+            if middle or length <= 1.0 + _CLOSE:
+                break
+            s += (length - 1.0) * length**2 / pace
+        total = 0.0
+        for i in range(3):
+            nearest = e[i] * _term(pull[p, i], s + gap[i])
+            if middle and i == 0:
+                nearest = e[0] * np.sqrt(1.0 - square)
+            total += (nearest - y[p, i]) ** 2
+        squared[p] = total
     return squared
 
 
-def _terms(pull: FloatArray, gap: FloatArray, s: FloatArray) -> FloatArray:
-    """(k, 3) float: ``e_i y_i / (s + gap_i)``, 0 where both are 0."""
-    reach = s[:, None] + gap
-    return np.divide(pull, reach, out=np.zeros_like(pull), where=(reach > 0) & (pull > 0))
+@kernel
+def _term(pull: float, reach: float) -> float:
+    """``e_i y_i / (s + gap_i)``, 0 where both are 0."""
+    return pull / reach if reach > 0.0 and pull > 0.0 else 0.0
 
 
 @objective(
