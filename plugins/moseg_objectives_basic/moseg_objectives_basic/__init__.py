@@ -9,7 +9,8 @@ convex_parts of them all), :mod:`~moseg_objectives_basic.area`. Several:
 :mod:`~moseg_objectives_basic.axes` (perpendicular, parallel, coaxial) and
 :mod:`~moseg_objectives_basic.similarity`. Symmetry and ellipsoids are surface distances,
 :mod:`~moseg_objectives_basic.surface_distance`, on large meshes to the coarser target of
-:mod:`~moseg_objectives_basic.thinned`.
+:mod:`~moseg_objectives_basic.thinned`, by :mod:`~moseg_objectives_basic.surface_tree`; hulls are
+those of :mod:`~moseg_objectives_basic.hulls`.
 
 The words: :mod:`~moseg_objectives_basic.likeness` (is), :mod:`~moseg_objectives_basic.girth` (thin,
 thick, even_thickness), :mod:`~moseg_objectives_basic.middle` (central, remote),

@@ -10,10 +10,13 @@ decides at random which facets a point is in front of; a hull then folds over it
 much of its volume, and nothing tells. So the points are put on a grid of 2^29 cells along each
 axis. Whether one is in front of a facet, the sign of a determinant, is then known exactly: from
 floating-point numbers where these leave no doubt, else from whole ones of 64 bits. In a plane is
-not in front. By exact signs a rim is one loop, no facet lacks area, and a point that was in front
-of a facet that went and is outside of the new hull is in front of a facet that came, as it is in
-front of both facets at some side of the rim and the plane of the facet that came is between
-theirs.
+not in front.
+
+With exact signs all that Quickhull needs holds. The facets that a corner is in front of are a disc,
+and the rim is one loop, since no two points of them are in line with the corner. No facet lacks
+area, since a corner in line with a side of the rim would be in the plane of the facet that goes
+there. And a point that loses its facet but stays outside is in front of one that came: it was in
+front of both facets at some side of the rim, and the plane of the one that came is between theirs.
 
 The volume is that between the facets with the points where they were. It is exact unless points
 are out of a plane by less than the grid's 2e-9, and then by less than that.
@@ -71,7 +74,9 @@ def _in_front(
 ) -> float:
     """Six times the volume that a point spans with a facet, negative behind it; its sign exact."""
     x, y, z = grid[p, 0], grid[p, 1], grid[p, 2]
-    rough = planes[facet, 0] * x + planes[facet, 1] * y + planes[facet, 2] * z - planes[facet, 3]
+    rough: float = (
+        planes[facet, 0] * x + planes[facet, 1] * y + planes[facet, 2] * z - planes[facet, 3]
+    )
     if abs(rough) > _SURE:
         return rough
     a = corners[facet, 0]
@@ -127,13 +132,12 @@ def _begin(grid: Floats, corners: Ints, beside: Ints, normals: Longs, planes: Fl
         return False
     if _in_front(0, d, grid, corners, normals, planes) > 0.0:
         b, c = c, b
-    _place(0, a, b, c, grid, corners, normals, planes)
-    _place(1, a, d, b, grid, corners, normals, planes)
-    _place(2, b, d, c, grid, corners, normals, planes)
-    _place(3, c, d, a, grid, corners, normals, planes)
-    for k in range(3):
-        beside[0, k] = k + 1
-        beside[k + 1, 0], beside[k + 1, 1], beside[k + 1, 2] = (k + 2) % 3 + 1, (k + 1) % 3 + 1, 0
+    for k in range(4):
+        _place(k, a, b, c, grid, corners, normals, planes)
+        beside[k, 0], beside[k, 1], beside[k, 2] = (k + 1) % 3 + 1, k % 3 + 1, 0
+        # The base, then in turn a d b, b d c and c d a, next to those before and after them.
+        a, b, c = (a, d, b) if k == 0 else (c, d, corners[0, (k + 1) % 3])
+    beside[0, 0], beside[0, 1], beside[0, 2] = 1, 2, 3
     return True
 
 
@@ -171,7 +175,9 @@ def _volume(points: Floats) -> float:
     n = len(points)
     grid = np.empty((n, 3))  # whole numbers, for which floating-point ones have room
     for k in range(3):
-        least = points[:, k].min()
+        least = np.inf
+        for p in range(n):
+            least = min(least, points[p, k])
         for p in range(n):
             grid[p, k] = np.rint((points[p, k] - least) * ((1 << _BITS) - 1))
     room = 4 * n  # there are 2 n - 4 facets at most, and for a while as many that replace them
@@ -180,17 +186,21 @@ def _volume(points: Floats) -> float:
     if n < 4 or not _begin(grid, corners, beside, normals, planes):
         return 0.0
     # The points that are kept with a facet: the first, after each the next, and the farthest.
-    first, following = np.full(room, _NONE, np.int32), np.empty(n, np.int32)
-    farthest, most = np.empty(room, np.int32), np.zeros(room)
-    new, n_new, n_facets = np.arange(room).astype(np.int32), 4, 4
-    following[:] = np.arange(1, n + 1)
-    following[n - 1] = _NONE
+    first, following = np.empty(room, np.int32), np.empty(n, np.int32)
+    farthest, most = np.empty(room, np.int32), np.empty(room)
+    new, n_new, n_facets = np.empty(room, np.int32), 4, 4
+    for p in range(n):
+        following[p] = p + 1 if p + 1 < n else _NONE
+    for i in range(4):
+        new[i], first[i], most[i] = i, _NONE, 0.0
     _share_out(0, new, n_new, grid, corners, normals, planes, first, following, farthest, most)
     # Facets with points take turns, so that the hull grows on all sides.
     waiting, turn, n_waiting = np.empty(room, np.int32), 0, 0
-    waits = np.zeros(room, np.bool_)
+    waits = np.empty(room, np.bool_)
     unused, n_unused = np.empty(room, np.int32), 0
-    hidden, seen_for = np.empty(room, np.int32), np.full(room, _NONE, np.int32)
+    hidden, seen_for = np.empty(room, np.int32), np.empty(room, np.int32)
+    for i in range(room):
+        waits[i], seen_for[i] = False, _NONE
     rim = np.empty((room, 3), np.int32)  # the ends of each side, and the facet beyond it
     begins = np.empty(n, np.int32)  # the new facet whose side on the rim begins at a corner
     while True:
@@ -205,9 +215,9 @@ def _volume(points: Floats) -> float:
         n_new = 0
         if first[start] == _NONE:
             continue
-        # From facet to facet over all that the new corner is in front of, which it hides.
+        # The point becomes a corner, and hides the facets that it is in front of. It is then on a
+        # list no more, as it is in front of none that come.
         corner = farthest[start]
-        # It is no longer in front of any facet then, and on no list.
         hidden[0], seen_for[start], n_hidden, n_rim, i = start, corner, 1, 0, 0
         while i < n_hidden:
             facet = hidden[i]
@@ -243,9 +253,18 @@ def _volume(points: Floats) -> float:
             beside[facet, 1], beside[after, 2] = after, facet
         for i in range(n_hidden):
             facet = hidden[i]
-            p = first[facet]
             _share_out(
-                p, new, n_new, grid, corners, normals, planes, first, following, farthest, most
+                first[facet],
+                new,
+                n_new,
+                grid,
+                corners,
+                normals,
+                planes,
+                first,
+                following,
+                farthest,
+                most,
             )
             first[facet], corners[facet, 0] = _NONE, _NONE
             unused[n_unused] = facet
@@ -253,21 +272,16 @@ def _volume(points: Floats) -> float:
     total = 0.0
     for facet in range(n_facets):
         if corners[facet, 0] != _NONE:
-            a, b, c = corners[facet, 0], corners[facet, 1], corners[facet, 2]
-            x1, y1, z1 = (
-                points[a, 0] - points[0, 0],
-                points[a, 1] - points[0, 1],
-                points[a, 2] - points[0, 2],
-            )
-            x2, y2, z2 = (
-                points[b, 0] - points[0, 0],
-                points[b, 1] - points[0, 1],
-                points[b, 2] - points[0, 2],
-            )
-            x3, y3, z3 = (
-                points[c, 0] - points[0, 0],
-                points[c, 1] - points[0, 1],
-                points[c, 2] - points[0, 2],
-            )
-            total += x1 * (y2 * z3 - z2 * y3) + y1 * (z2 * x3 - x2 * z3) + z1 * (x2 * y3 - y2 * x3)
+            total += _spanned(points, corners[facet, 0], corners[facet, 1], corners[facet, 2])
     return total / 6.0
+
+
+@kernel
+def _spanned(points: Floats, a: int, b: int, c: int) -> float:
+    """Six times the volume that the first point spans with three others, where it was."""
+    x0, y0, z0 = points[0, 0], points[0, 1], points[0, 2]
+    x1, y1, z1 = points[a, 0] - x0, points[a, 1] - y0, points[a, 2] - z0
+    x2, y2, z2 = points[b, 0] - x0, points[b, 1] - y0, points[b, 2] - z0
+    x3, y3, z3 = points[c, 0] - x0, points[c, 1] - y0, points[c, 2] - z0
+    volume: float = x1 * (y2 * z3 - z2 * y3) + y1 * (z2 * x3 - x2 * z3) + z1 * (x2 * y3 - y2 * x3)
+    return volume

@@ -26,6 +26,7 @@ from moseg_core import kernel
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
+Int32Array = npt.NDArray[np.int32]
 
 #: Up to so many triangles are not halved any more.
 _FEW = 8
@@ -54,7 +55,7 @@ class SurfaceTree:
     discs : (t, 7) float
         Middle, unit normal and radius of a disc in which each triangle lies, in model units; the
         normal is 0 where it is a ball.
-    nodes : (n, 3) int
+    nodes : (n, 3) int32
         Of each box the first triangle, the one after the last, and the number of the box of the
         first half; that of the second half is the next one. 0 where it is not halved.
     boxes : (n, 6) float, model units
@@ -63,7 +64,7 @@ class SurfaceTree:
 
     corners: FloatArray
     discs: FloatArray
-    nodes: IntArray
+    nodes: Int32Array
     boxes: FloatArray
 
     @classmethod
@@ -125,15 +126,14 @@ class SurfaceTree:
         # what is far away comes first. This leaves out most distances, and none that matter.
         begun = []
         for image in images:
-            squared, runs = np.empty(len(image)), _runs(image)
-            begun.append(
-                (self._add(image, weights, runs, (0, 1), 0.0, np.inf, squared), image, squared)
-            )
+            squared = np.empty(len(image))
+            total = self._add(image, weights, _runs(image), (0, 1), 0.0, np.inf, squared)
+            begun.append((total, image, squared))
         least, nearest = np.inf, np.empty(0)
-        for part, image, squared in sorted(begun, key=lambda one: one[0]):
+        for total, image, squared in sorted(begun, key=lambda one: one[0]):
             runs = np.argsort(-(weights[::_RUN] * squared[::_RUN]), kind="stable")
             limit = least * (1.0 + 1e-6)
-            if self._add(image, weights, runs, (1, _RUN), part, limit, squared) <= limit:
+            if self._add(image, weights, runs, (1, _RUN), total, limit, squared) <= limit:
                 total = float((weights * squared).sum())
                 if total < least or not len(nearest):
                     least, nearest = total, squared
@@ -218,18 +218,20 @@ def _write_disc(corners: FloatArray, t: int, discs: FloatArray) -> None:
 @kernel
 def _grow(
     corners: FloatArray, codes: IntArray, order: IntArray
-) -> tuple[FloatArray, FloatArray, IntArray, FloatArray]:
+) -> tuple[FloatArray, FloatArray, Int32Array, FloatArray]:
     """Triangles and their discs in order, nodes and boxes; see :class:`SurfaceTree`."""
     n = len(order)
     ordered, discs = np.empty((n, 3, 3)), np.zeros((n, 7))
     for t in range(n):
-        ordered[t] = corners[order[t]]
+        for c in range(3):
+            for k in range(3):
+                ordered[t, c, k] = corners[order[t], c, k]
         _write_disc(ordered, t, discs)
     # Halves are numbered after all that came before: the boxes of both are side by side.
     nodes, n_nodes = np.zeros((max(2 * n, 1), 3), np.int32), 1
     nodes[0, 1], node = n, 0
     while node < n_nodes:
-        first, last = np.int64(nodes[node, 0]), np.int64(nodes[node, 1])
+        first, last = int(nodes[node, 0]), int(nodes[node, 1])
         if last - first > _FEW and codes[order[first]] != codes[order[last - 1]]:
             differing, bit = codes[order[first]] ^ codes[order[last - 1]], 1
             while differing > 1:
@@ -247,9 +249,10 @@ def _grow(
             n_nodes += 2
         node += 1
     boxes = np.empty((n_nodes, 6))
-    boxes[:, :3], boxes[:, 3:] = np.inf, -np.inf
     for node in range(n_nodes - 1, -1, -1):
         half = nodes[node, 2]
+        for k in range(3):
+            boxes[node, k], boxes[node, k + 3] = np.inf, -np.inf
         if half:
             for k in range(3):
                 boxes[node, k] = min(boxes[half, k], boxes[half + 1, k])
@@ -267,7 +270,7 @@ def _grow(
 def _add_distances(
     corners: FloatArray,
     discs: FloatArray,
-    nodes: IntArray,
+    nodes: Int32Array,
     boxes: FloatArray,
     points: FloatArray,
     weights: FloatArray,
@@ -294,7 +297,7 @@ def _add_distances(
                 if away[top + 1] > least:
                     continue
                 while nodes[node, 2]:  # down to the nearer half, the other one later
-                    near = np.int64(nodes[node, 2])
+                    near = int(nodes[node, 2])
                     far = near + 1
                     to_near, to_far = _to_box(x, y, z, boxes, near), _to_box(x, y, z, boxes, far)
                     if to_far < to_near:

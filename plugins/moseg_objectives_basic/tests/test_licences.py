@@ -9,7 +9,7 @@ _PROGRAM = """
 import sys
 import moseg_core as moseg
 shape = moseg.load(moseg.sample_path("hammer"))
-terms = "planar_symmetric(a) + ellipsoidal(a) + convex(a) + axial_symmetric(a) + convex_parts"
+terms = "thick(a) + planar_symmetric(a) + ellipsoidal(a) + convex(a) + convex_parts"
 moseg.Problem(["a"], terms).evaluate(shape, [0] * shape.n_elements)
 print(*(name for name in sys.modules if name.startswith("igl")))
 """
