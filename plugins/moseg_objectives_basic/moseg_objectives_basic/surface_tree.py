@@ -5,13 +5,13 @@ that a triangle's middle is in, along x, y and z, their bits interlaced. What li
 is then close in the order, and where the first bit in which codes differ changes, space is halved.
 Runs of triangles are halved there again and again (T. Karras, "Maximizing parallelism in the
 construction of BVHs, octrees, and k-d trees", 2012, doi:10.2312/EGGH/HPG12/033-037). Such a tree
-takes a fifth of the time that libigl's needs, so that none has to be kept from part to part.
+takes a fifth of the time that libigl's needs, so that none has to be kept from part to part, and
+answers in half of it.
 
-The distance to one triangle is that of C. Ericson, "Real-time collision detection", 2005, Sec.
-5.1.5, in libigl's order of operations: values equal libigl's to the last bit, in half the time. A
-triangle is left out only where a box around it, or a disc, is further away than a triangle that
-was looked at; the nearest of the last point is looked at first. On a fine mesh and from afar many
-boxes are about as near as the nearest triangle, but few discs.
+Distances are those of :mod:`moseg_objectives_basic.triangle_distance`. A triangle is left out only
+where a box around it, or a disc, is further away than a triangle that was looked at; the nearest of
+the last point is looked at first. On a fine mesh and from afar many boxes are about as near as the
+nearest triangle, but few discs.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ import numpy as np
 import numpy.typing as npt
 
 from moseg_core import kernel
+from moseg_objectives_basic.triangle_distance import square, to_triangle
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -200,17 +201,17 @@ def _write_disc(corners: FloatArray, t: int, discs: FloatArray) -> None:
         discs[t, 3 + k] = (corners[t, 1, i] - corners[t, 0, i]) * (
             corners[t, 2, j] - corners[t, 0, j]
         ) - (corners[t, 1, j] - corners[t, 0, j]) * (corners[t, 2, i] - corners[t, 0, i])
-    length = np.sqrt(_square(discs[t, 3], discs[t, 4], discs[t, 5]))
-    square, off = 0.0, 0.0
+    length = np.sqrt(square(discs[t, 3], discs[t, 4], discs[t, 5]))
+    reach, off = 0.0, 0.0
     for c in range(3):
         x, y, z = (
             corners[t, c, 0] - discs[t, 0],
             corners[t, c, 1] - discs[t, 1],
             corners[t, c, 2] - discs[t, 2],
         )
-        square = max(square, _square(x, y, z))
+        reach = max(reach, square(x, y, z))
         off = max(off, abs(x * discs[t, 3] + y * discs[t, 4] + z * discs[t, 5]))
-    discs[t, 6] = np.sqrt(square) * (1.0 + _SLACK)
+    discs[t, 6] = np.sqrt(reach) * (1.0 + _SLACK)
     for k in range(3, 6):
         discs[t, k] = discs[t, k] / length if off < _SLACK / 10.0 * discs[t, 6] * length else 0.0
 
@@ -289,7 +290,7 @@ def _add_distances(
             x, y, z = points[p, 0], points[p, 1], points[p, 2]
             least = np.inf
             if len(corners):
-                least = _to_triangle(x, y, z, corners, nearest)
+                least = to_triangle(x, y, z, corners, nearest)
             waiting[0], away[0], top = 0, 0.0, 0
             while top >= 0:
                 node = waiting[top]
@@ -312,13 +313,13 @@ def _add_distances(
                     for t in range(nodes[node, 0], nodes[node, 1]):
                         # No point of a disc is nearer than the one right below, or on its edge.
                         i, j, k = x - discs[t, 0], y - discs[t, 1], z - discs[t, 2]
-                        radius, square = discs[t, 6], _square(i, j, k)
+                        radius, apart = discs[t, 6], square(i, j, k)
                         up = abs(i * discs[t, 3] + j * discs[t, 4] + k * discs[t, 5])
                         up = max(0.0, up - _SLACK * (up + radius))
                         if up * up > least:
                             continue
-                        if square - up * up <= (radius + np.sqrt(least - up * up)) ** 2:
-                            found = _to_triangle(x, y, z, corners, t)
+                        if apart - up * up <= (radius + np.sqrt(least - up * up)) ** 2:
+                            found = to_triangle(x, y, z, corners, t)
                             if found < least:
                                 least, nearest = found, t
             squared[p] = least
@@ -329,58 +330,10 @@ def _add_distances(
 
 
 @kernel
-def _square(x: float, y: float, z: float) -> float:
-    return x * x + y * y + z * z
-
-
-@kernel
 def _to_box(x: float, y: float, z: float, boxes: FloatArray, node: int) -> float:
     """Squared distance to a box, 0 within it."""
-    return _square(
+    return square(
         max(boxes[node, 0] - x, x - boxes[node, 3], 0.0),
         max(boxes[node, 1] - y, y - boxes[node, 4], 0.0),
         max(boxes[node, 2] - z, z - boxes[node, 5], 0.0),
-    )
-
-
-@kernel
-def _to_triangle(x: float, y: float, z: float, corners: FloatArray, t: int) -> float:
-    """Squared distance to a triangle a, b, c: of its corners, sides and inside what is nearest."""
-    a0, a1, a2 = corners[t, 0, 0], corners[t, 0, 1], corners[t, 0, 2]
-    b0, b1, b2 = corners[t, 1, 0], corners[t, 1, 1], corners[t, 1, 2]
-    c0, c1, c2 = corners[t, 2, 0], corners[t, 2, 1], corners[t, 2, 2]
-    ab0, ab1, ab2 = b0 - a0, b1 - a1, b2 - a2
-    ac0, ac1, ac2 = c0 - a0, c1 - a1, c2 - a2
-    p0, p1, p2 = x - a0, y - a1, z - a2
-    along_ab_a, along_ac_a = ab0 * p0 + ab1 * p1 + ab2 * p2, ac0 * p0 + ac1 * p1 + ac2 * p2
-    if along_ab_a <= 0.0 and along_ac_a <= 0.0:
-        return _square(p0, p1, p2)
-    p0, p1, p2 = x - b0, y - b1, z - b2
-    along_ab_b, along_ac_b = ab0 * p0 + ab1 * p1 + ab2 * p2, ac0 * p0 + ac1 * p1 + ac2 * p2
-    if along_ab_b >= 0.0 and along_ac_b <= along_ab_b:
-        return _square(p0, p1, p2)
-    # The parts of the triangle's area that are across from c, b and a, but for a common factor.
-    of_c = along_ab_a * along_ac_b - along_ab_b * along_ac_a
-    if of_c <= 0.0 <= along_ab_a and along_ab_b <= 0.0 and (a0 != b0 or a1 != b1 or a2 != b2):
-        v = along_ab_a / (along_ab_a - along_ab_b)
-        return _square(x - (a0 + v * ab0), y - (a1 + v * ab1), z - (a2 + v * ab2))
-    p0, p1, p2 = x - c0, y - c1, z - c2
-    along_ab_c, along_ac_c = ab0 * p0 + ab1 * p1 + ab2 * p2, ac0 * p0 + ac1 * p1 + ac2 * p2
-    if along_ac_c >= 0.0 and along_ab_c <= along_ac_c:
-        return _square(p0, p1, p2)
-    of_b = along_ab_c * along_ac_a - along_ab_a * along_ac_c
-    if of_b <= 0.0 <= along_ac_a and along_ac_c <= 0.0:
-        w = along_ac_a / (along_ac_a - along_ac_c)
-        return _square(x - (a0 + w * ac0), y - (a1 + w * ac1), z - (a2 + w * ac2))
-    of_a = along_ab_b * along_ac_c - along_ab_c * along_ac_b
-    past_b, past_c = along_ac_b - along_ab_b, along_ab_c - along_ac_c
-    if of_a <= 0.0 <= past_b and past_c >= 0.0:
-        w = past_b / (past_b + past_c)
-        return _square(x - (b0 + w * (c0 - b0)), y - (b1 + w * (c1 - b1)), z - (b2 + w * (c2 - b2)))
-    share = 1.0 / (of_a + of_b + of_c)
-    v, w = of_b * share, of_c * share
-    return _square(
-        x - ((a0 + ab0 * v) + ac0 * w),
-        y - ((a1 + ab1 * v) + ac1 * w),
-        z - ((a2 + ab2 * v) + ac2 * w),
     )
