@@ -43,6 +43,7 @@ from moseg_core.components.objectives import objective as objective
 from moseg_core.components.parameters import Interval as Interval
 from moseg_core.components.parameters import Parameter as Parameter
 from moseg_core.components.part import Part as Part
+from moseg_core.components.part_array import PartArray as PartArray
 from moseg_core.components.protocols import Batch as Batch
 from moseg_core.components.protocols import Centers as Centers
 from moseg_core.components.protocols import Constraint as Constraint

@@ -25,9 +25,9 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 
 from moseg_core.builtin.diameter import farthest_pair
+from moseg_core.components.labellings import Summary
 from moseg_core.components.parameters import Interval
 from moseg_core.components.protocols import Centers, Evaluator, Progress, Report, Seeding
-from moseg_core.components.segmentation import Summary
 from moseg_core.shape.shape import Shape
 from moseg_core.types import BoolArray, FloatArray, IntArray
 

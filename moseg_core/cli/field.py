@@ -68,7 +68,7 @@ def run_field(
         console(sys.stdout).print(_table(title, shape.n_elements, shape.noun, summary))
 
 
-def _table(title: str, count: int, noun: str, summary: FieldSummary) -> Table:
+def _table(title: str, count: int, noun: str, summary: FieldSummary[float]) -> Table:
     table = Table(title=f"{title}: {count} {noun}s", box=None, pad_edge=False, title_justify="left")
     shown = ("least", "mean", "greatest", "spread")
     for name in shown:

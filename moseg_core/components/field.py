@@ -20,7 +20,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Mapping
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -31,9 +31,11 @@ from moseg_core.language import Table
 from moseg_core.shape.shape import Shape
 from moseg_core.types import FloatArray, frozen
 
+Numbers = TypeVar("Numbers")
 
-class FieldSummary(NamedTuple):
-    """A field over one part, weighted by area.
+
+class FieldSummary(NamedTuple, Generic[Numbers]):
+    """A field over one part, weighted by area; or over several, with an array for each number.
 
     Parameters
     ----------
@@ -43,10 +45,10 @@ class FieldSummary(NamedTuple):
         Over the elements that have an area.
     """
 
-    mean: float
-    spread: float
-    least: float
-    greatest: float
+    mean: Numbers
+    spread: Numbers
+    least: Numbers
+    greatest: Numbers
 
 
 def field_values(

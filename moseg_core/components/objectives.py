@@ -33,6 +33,7 @@ from moseg_core.components.detail import Detail
 from moseg_core.components.discovery.specs import Invariance, Requirement
 from moseg_core.components.parameters import Parameter, declared_parameters
 from moseg_core.components.part import Part
+from moseg_core.components.part_array import Vectorized
 from moseg_core.components.segmentation import Segmentation
 
 Arity = Literal["unary", "nary", "global"]
@@ -94,6 +95,9 @@ class Traits:
     details : callable or None
         Called like the objective, with what it is called with; returns the
         :class:`moseg_core.Detail` of each quantity that the value comes from.
+    vectorized : callable or None
+        The objective of many calls at once: called with a :class:`moseg_core.PartArray` and the
+        parameters, it returns their values.
     """
 
     arity: Arity
@@ -108,6 +112,7 @@ class Traits:
     share: ShareOf | None = None
     mean_of: MeanOf | None = None
     details: DetailsOf | None = None
+    vectorized: Vectorized | None = None
 
     def expected_share(self, parameters: Mapping[str, Any]) -> float | None:
         """The share of the whole area that a part of low value has; None where nothing is said.
@@ -237,6 +242,7 @@ def objective(
     share: ShareOf | None = None,
     mean_of: MeanOf | None = None,
     details: DetailsOf | None = None,
+    vectorized: Vectorized | None = None,
 ) -> Callable[[Callable[..., float]], FunctionObjective]:
     """Turn a function of parts into an objective.
 
@@ -265,6 +271,12 @@ def objective(
     details : callable, optional
         Where the value comes from several quantities: a function that is called like the objective
         and returns a :class:`moseg_core.Detail` for each. Users see the costliest of each part.
+    vectorized : callable, optional
+        The same formula for many calls at once, by arrays: a function of a
+        :class:`moseg_core.PartArray` and the same parameters, which returns a value for each call.
+        A search then asks for the parts of a whole batch of candidates in one call, which may be
+        tens of times as fast. Values may differ from the function's own by rounding, and must not
+        depend on which other calls they are computed with.
 
     Returns
     -------
@@ -277,8 +289,8 @@ def objective(
         The first argument's annotation is none of Part, Sequence[Part] and Segmentation.
     ValueError
         A range whose ends are in the wrong order; an unknown requirement, invariance or cost; a
-        share, mean or details that are no function; measures that are no texts; the mean of a field
-        for several parts.
+        share, mean, details or vectorized form that are no function; measures that are no texts;
+        the mean of a field for several parts.
 
     Examples
     --------
@@ -309,6 +321,9 @@ def objective(
     if details is not None and not callable(details):
         raise ValueError(f"an objective's details are told by a function, not {details!r}")
 
+    if vectorized is not None and not callable(vectorized):
+        raise ValueError(f"an objective's vectorized form is a function, not {vectorized!r}")
+
     def decorate(function: Callable[..., float]) -> FunctionObjective:
         arity, count = _read_signature(function)
         if mean_of is not None and arity != "unary":
@@ -327,6 +342,7 @@ def objective(
             share=share,
             mean_of=mean_of,
             details=_spreading(details) if spread and details is not None else details,
+            vectorized=vectorized,
         )
         made = FunctionObjective(function, traits, spread=spread)
         _ = made.parameters  # so that a parameter of an odd type shows here, not on first use

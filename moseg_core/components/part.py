@@ -245,7 +245,7 @@ class Part:
                 own[key] = _shared(found.function(self, **parameters))
         return own[key]
 
-    def field(self, name: str, **parameters: Any) -> FieldSummary:
+    def field(self, name: str, **parameters: Any) -> FieldSummary[float]:
         """A field over the part: mean, spread, least and greatest value, weighted by area.
 
         Parameters

@@ -20,67 +20,13 @@ import numpy.typing as npt
 from moseg_core.components.boundary import Boundaries
 from moseg_core.components.discovery.lookup import Lookup
 from moseg_core.components.field import FieldSummary, field_values
+from moseg_core.components.labellings import Labellings, Summary
 from moseg_core.components.memo import Memo
 from moseg_core.components.part import Part
 from moseg_core.components.part_tables import PartTables
 from moseg_core.shape.labels import checked_labels
 from moseg_core.shape.shape import Shape
-from moseg_core.types import BoolArray, FloatArray, Int32Array, IntArray, frozen
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Summary:
-    """Per-part sums of one labelling.
-
-    Parameters
-    ----------
-    counts : (n,) int
-        Number of input elements.
-    hashes : (n, 2) uint64
-        Which elements.
-    moments : (n, 10) float
-        Area, first and second moments about the shape's centre, model units.
-    """
-
-    counts: IntArray
-    hashes: npt.NDArray[np.uint64]
-    moments: FloatArray
-
-    @classmethod
-    def of(cls, shape: Shape, labels: Int32Array, n_parts: int) -> Summary:
-        """Sum over the elements of every part."""
-        from moseg_core.shape.part_sums import summarize_parts
-
-        counts = np.empty(n_parts, np.int64)
-        hashes = np.empty((n_parts, 2), np.uint64)
-        moments = np.empty((n_parts, 10))
-        summarize_parts(
-            labels,
-            shape.areas,
-            shape.first_moments,
-            shape.second_moments,
-            shape.element_hashes,
-            counts,
-            hashes,
-            moments,
-        )
-        if shape.fine is not None:
-            counts = np.bincount(labels, shape.sizes, n_parts).astype(np.int64)
-        return cls(counts=counts, hashes=hashes, moments=moments)
-
-    def empty(self, shape: Shape) -> BoolArray:
-        """(n,) bool: parts without elements, without area, or without extent.
-
-        Such parts are ranked by the core and never reach an objective.
-        """
-        from moseg_core.shape.part_sums import find_empty
-
-        scale = shape.frame.scale
-        empty = np.empty(len(self.moments), np.bool_)
-        find_empty(
-            self.moments, 1e-14 * scale ** (3 if shape.solid else 2), 1e-14 * scale**2, empty
-        )
-        return empty
+from moseg_core.types import FloatArray, Int32Array, IntArray, frozen
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
@@ -207,12 +153,26 @@ class Segmentation:
         )
 
     @cached_property
-    def _tables(self) -> PartTables:
-        return PartTables(
-            self.level, self.level_labels, self.summary.moments, self.lookup, self._made
+    def labelling(self) -> Labellings:
+        """The same, as one of several that could be."""
+        summary = self.summary
+        return Labellings(
+            level=self.level,
+            labels=self.level_labels[None],
+            n_parts=self.n_parts,
+            summary=Summary(
+                counts=summary.counts[None],
+                hashes=summary.hashes[None],
+                moments=summary.moments[None],
+            ),
+            lookup=self.lookup,
         )
 
-    def fields(self, name: str, **parameters: Any) -> tuple[FieldSummary, ...]:
+    @cached_property
+    def _tables(self) -> PartTables:
+        return PartTables(self.labelling, self._made)
+
+    def fields(self, name: str, **parameters: Any) -> tuple[FieldSummary[float], ...]:
         """A field over every part, in label order; NaN for the mean of a part without area.
 
         See :meth:`moseg_core.Part.field`.

@@ -21,9 +21,14 @@ import math
 import sys
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 from moseg_core.errors import UsageError
 from moseg_core.language.tokens import format_number
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
 
 _BEND = 2.0
 """From how many spreads on the cost grows linearly."""
@@ -133,14 +138,70 @@ class Target:
         >>> [round(target.ratio_cost(value), 9) for value in (0.1, 0.2, 0.05, 0.4, 0.8)]
         [0.0, 1.0, 1.0, 4.0, 8.0]
         """
-        if self.value <= 0:
-            raise UsageError(
-                f"the target {self} must have a positive value, since ratios to it are compared"
-            )
+        self._require_positive()
         off = _LEAST_LOG_RATIO
         if not value <= 0:  # NaN goes on, and comes out
             off = max(math.log(value) - self._log_value, off)
         return _huber(off / self._log_spread)
+
+    def costs(self, values: npt.ArrayLike) -> npt.NDArray[np.float64]:
+        """:meth:`cost` of each of several values.
+
+        Parameters
+        ----------
+        values : array_like of float
+            In the unit of the target.
+
+        Returns
+        -------
+        array of float
+            As many.
+
+        Examples
+        --------
+        >>> Target(10, 2).costs([10, 12, 20]).tolist()
+        [0.0, 1.0, 16.0]
+        """
+        import numpy as np
+
+        return _hubers((np.asarray(values, np.float64) - self.value) / self.spread)
+
+    def ratio_costs(self, values: npt.ArrayLike) -> npt.NDArray[np.float64]:
+        """:meth:`ratio_cost` of each of several values.
+
+        Parameters
+        ----------
+        values : array_like of float
+            In the unit of the target.
+
+        Returns
+        -------
+        array of float
+            As many.
+
+        Raises
+        ------
+        UsageError
+            As for :meth:`ratio_cost`.
+
+        Examples
+        --------
+        >>> Target(0.1, 0.1).ratio_costs([0.1, 0.2, 0.8]).round(9).tolist()
+        [0.0, 1.0, 8.0]
+        """
+        import numpy as np
+
+        self._require_positive()
+        # A value of 0 or less counts as the least ratio.
+        ratios = np.maximum(np.asarray(values, np.float64), sys.float_info.min)
+        off = np.maximum(np.log(ratios) - self._log_value, _LEAST_LOG_RATIO)
+        return _hubers(off / self._log_spread)
+
+    def _require_positive(self) -> None:
+        if self.value <= 0:
+            raise UsageError(
+                f"the target {self} must have a positive value, since ratios to it are compared"
+            )
 
     @cached_property
     def _log_value(self) -> float:
@@ -150,6 +211,14 @@ class Target:
     def _log_spread(self) -> float:
         # A spread that is next to nothing beside the value has a logarithm of 0.
         return math.log1p(self.spread / self.value) or sys.float_info.min
+
+
+def _hubers(z: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    import numpy as np
+
+    size = np.abs(z)
+    beyond = 2.0 * _BEND * np.minimum(size, _MOST) - _BEND * _BEND
+    return np.where(size <= _BEND, size * size, beyond)
 
 
 def _huber(z: float) -> float:

@@ -5,6 +5,10 @@ the range that the objective declares, and added up in the order written: calls 
 the weight, then term after term. Rounding is monotone, so replacing values by lower bounds in that
 same sum gives a lower bound of the cost to the last bit; :mod:`moseg_core.search.evaluator` uses
 this to leave out what cannot matter.
+
+Of an objective that has a vectorised form only that is used, for one call as for a thousand, so
+that a value does not depend on how it was asked for. Its values are not remembered: to look one up
+takes as long as to compute it.
 """
 
 from __future__ import annotations
@@ -13,10 +17,14 @@ import math
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from moseg_core.components.at_work import at_work
 from moseg_core.components.cost import Cost
 from moseg_core.components.detail import Detail
 from moseg_core.components.faults import FAULTS, describe
+from moseg_core.components.labellings import Labellings
+from moseg_core.components.part_array import PartArray
 from moseg_core.components.profile import timed
 from moseg_core.components.real_number import described, real_number
 from moseg_core.components.requirements import LackError
@@ -24,6 +32,7 @@ from moseg_core.components.segmentation import Segmentation
 from moseg_core.errors import REPORT, PluginError, UsageError
 from moseg_core.problem.binding import BoundTerm
 from moseg_core.problem.slow_calls import under_watch
+from moseg_core.types import BoolArray, FloatArray, IntArray
 
 Values = list[list[float | None]]
 """Per term and call the value, or None where it is not known or left out."""
@@ -150,10 +159,7 @@ def evaluate_segmentation(
         Whether objectives are to tell what their values come from.
     """
     empty = empty_parts(terms, segmentation)
-    values: Values = [
-        [call_value(term, call, segmentation, empty, labels) for call in term.calls]
-        for term in terms
-    ]
+    values: Values = [term_values(term, segmentation, empty, labels) for term in terms]
     reported = tuple(
         TermValue(
             text=term.term.call,
@@ -183,10 +189,17 @@ def evaluate_segmentation(
 
 def empty_parts(terms: Sequence[BoundTerm], segmentation: Segmentation) -> list[bool]:
     """Which parts are empty, or have no extent in one of the spaces that terms look at them in."""
-    spaces = {segmentation.level.space, *[term.space for term in terms]}
-    views = [segmentation.view(space) for space in spaces]
-    found = [v.summary.empty(v.shape).tolist() for v in views]
-    return found[0] if len(found) == 1 else [any(of_one) for of_one in zip(*found, strict=True)]
+    empty: list[bool] = all_empty_parts(terms, segmentation.labelling)[0].tolist()
+    return empty
+
+
+def all_empty_parts(terms: Sequence[BoundTerm], labellings: Labellings) -> BoolArray:
+    """(B, n) bool: the same of several labellings."""
+    empty = np.zeros(labellings.areas.shape, np.bool_)
+    for space in {labellings.level.space, *[term.space for term in terms]}:
+        view = labellings.view(space)
+        empty |= view.summary.empty(view.level.input)
+    return empty
 
 
 def leaves_out(term: BoundTerm, call: tuple[int, ...], empty: Sequence[bool]) -> bool:
@@ -214,10 +227,112 @@ def call_value(
     """
     if leaves_out(term, call, empty):
         return None
+    if term.vectorized is not None:
+        members = np.array([call if term.arity != "global" else range(segmentation.n_parts)])
+        return float(vectorized_values(term, segmentation.labelling, np.zeros(1, int), members)[0])
     segmentation = segmentation.view(term.space)
     key = _key(term, call, segmentation)
     value: float = segmentation.memo.get(key, _computed, term, call, segmentation, labels)
     return value
+
+
+def term_values(
+    term: BoundTerm, segmentation: Segmentation, empty: Sequence[bool], labels: Sequence[str]
+) -> list[float | None]:
+    """The values of all calls of a term; see :func:`call_value`."""
+    if term.vectorized is None:
+        return [call_value(term, call, segmentation, empty, labels) for call in term.calls]
+    order = np.arange(segmentation.n_parts)[None]
+    return all_term_values(
+        term, segmentation.labelling, np.zeros(1, int), order, np.array([empty])
+    )[0]
+
+
+def all_term_values(
+    term: BoundTerm, labellings: Labellings, rows: IntArray, orders: IntArray, empty: BoolArray
+) -> list[list[float | None]]:
+    """The values of all calls of a vectorised term on several candidates.
+
+    Parameters
+    ----------
+    term : BoundTerm
+    labellings : Labellings
+    rows : (C,) int
+        The labelling that each candidate is of.
+    orders : (C, n) int
+        Which of its parts bears each label.
+    empty : (C, n) bool
+        Which labels have an empty part.
+
+    Raises
+    ------
+    PluginError
+        As for :func:`call_value`.
+    """
+    n = orders.shape[1]
+    calls = np.array([range(n)] if term.arity == "global" else term.calls)
+    count, sound = len(calls), ~empty[:, calls].any(axis=2)
+    repeated, members = np.repeat(rows, count), orders[:, calls].reshape(-1, calls.shape[1])
+    if sound.all():
+        values = vectorized_values(term, labellings, repeated, members)
+        return [list(row) for row in values.reshape(-1, count).tolist()]
+    kept = np.flatnonzero(sound)
+    some = vectorized_values(term, labellings, repeated[kept], members[kept]) if len(kept) else ()
+    flat: list[float | None] = [None] * sound.size
+    for k, value in zip(kept.tolist(), some, strict=True):
+        flat[k] = float(value)
+    return [flat[k : k + count] for k in range(0, len(flat), count)]
+
+
+def vectorized_values(
+    term: BoundTerm, labellings: Labellings, rows: IntArray, members: IntArray
+) -> FloatArray:
+    """(k,) float: the values of calls of a vectorised term, of parts none of which is empty.
+
+    Parameters
+    ----------
+    term : BoundTerm
+    labellings : Labellings
+    rows : (k,) int
+        The labelling that each call is about.
+    members : (k, m) int
+        The parts that each is given.
+
+    Raises
+    ------
+    PluginError
+        The objective raised, or returned something else than k numbers in its range.
+    """
+    parts = members[:, 0] if term.arity == "unary" else members
+    array = PartArray(_labellings=labellings.view(term.space), _rows=rows, _parts=parts)
+    who = f"the vectorized form of objective '{term.id}' of {term.distribution}"
+    where = f"'{term.term.call}'"
+    doing = f"{who} in {where}"
+    assert term.vectorized is not None  # callers have looked
+    try:
+        with at_work(doing), under_watch(doing), timed("term", term.written, term.distribution):
+            returned = term.vectorized(array, **term.parameters)
+    except UsageError as error:
+        raise UsageError(f"in {where}: {error}") from error
+    except LackError as error:
+        raise LackError(f"in {where}: {error}") from error
+    except PluginError as error:
+        raise PluginError(f"in {where}: {error}") from error
+    except FAULTS as error:
+        raise PluginError(f"{who} failed in {where}: {describe(error)}; {REPORT}") from error
+    try:
+        values = np.asarray(returned, dtype=np.float64)
+    except (TypeError, ValueError):
+        values = np.empty(0)
+    if values.shape != rows.shape:
+        raise PluginError(
+            f"{who} returned {described(returned)} in {where}; it must return an array of"
+            f" {len(rows)} real numbers, one for each call; {REPORT}"
+        )
+    low, high = term.objective.traits.range
+    if not (np.isfinite(values) & (values >= low) & (values <= high)).all():
+        values = np.array([_in_range(value, term, where) for value in values.tolist()])
+    return values
 
 
 def known_value(term: BoundTerm, call: tuple[int, ...], segmentation: Segmentation) -> float | None:
@@ -261,9 +376,6 @@ def _computed(
             f"{who} returned {described(returned)} in {where}; a value must be a real number, such"
             f" as float(...) makes; {REPORT}"
         )
-    low, high = term.objective.traits.range
-    if math.isfinite(value) and low <= value <= high:
-        return value
     return _in_range(value, term, where)
 
 
@@ -309,8 +421,10 @@ def _where(term: BoundTerm, call: tuple[int, ...], labels: Sequence[str]) -> str
 
 
 def _in_range(value: float, term: BoundTerm, where: str) -> float:
-    """A value beyond the declared range, clipped where that is rounding; or an error."""
+    """The value; clipped to the declared range where what is beyond is rounding, or an error."""
     low, high = term.objective.traits.range
+    if low <= value <= high and math.isfinite(value):
+        return value
     if not math.isfinite(value):
         raise PluginError(
             f"objective '{term.id}' of {term.distribution} returned {value} in {where}; values"

@@ -20,6 +20,7 @@ from moseg_core.components.discovery.registry import Registry
 from moseg_core.components.faults import FAULTS, describe
 from moseg_core.components.objectives import COST_ORDER, Arity
 from moseg_core.components.parameters import Parameter, check_parameters
+from moseg_core.components.part_array import Vectorized
 from moseg_core.components.protocols import Objective
 from moseg_core.errors import REPORT, ExpressionError, PluginError, UsageError, nearest, unknown
 from moseg_core.language import Argument, Expression, Table, Term
@@ -76,6 +77,11 @@ class BoundTerm:
     def cost_rank(self) -> int:
         """0 for cheap objectives, up to 2 for expensive ones."""
         return COST_ORDER[self.objective.traits.cost]
+
+    @cached_property
+    def vectorized(self) -> Vectorized | None:
+        """The objective's vectorised form, where it has one."""
+        return self.objective.traits.vectorized
 
     @property
     def fields(self) -> tuple[str, ...]:

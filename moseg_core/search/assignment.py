@@ -4,22 +4,56 @@ Entry ``i, j`` of the paper's cost matrix is what the unary terms of label ``j``
 weights, come to on part ``i``. Finding the best assignment seldom needs all n x n entries: cheap
 terms are evaluated at once, for the others the least value that the objective declares stands in.
 If the best assignment under these lower bounds uses only entries that are known, no other can be
-better; if not, what it uses is evaluated and the assignment sought again.
+better; if not, what it uses is evaluated and the assignment sought again. Terms that have a
+vectorised form are evaluated for all parts of several labellings at once (:func:`unary_values`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
+from moseg_core.components.labellings import Labellings
 from moseg_core.components.segmentation import Segmentation
-from moseg_core.problem.aggregate import call_value, empty_parts
+from moseg_core.problem.aggregate import (
+    all_empty_parts,
+    call_value,
+    empty_parts,
+    vectorized_values,
+)
 from moseg_core.problem.constraints import Group
 from moseg_core.problem.problem import Problem
 from moseg_core.shape.pins import NO_PINS, Pins
 from moseg_core.types import BoolArray, FloatArray, IntArray
+
+TermValues = Mapping[int, Sequence[float]]
+"""By the number of a unary term its values on all parts of a labelling; NaN for empty ones."""
+
+
+def unary_values(problem: Problem, labellings: Labellings) -> list[TermValues]:
+    """What the unary terms with a vectorised form come to on all parts of each labelling.
+
+    Parameters
+    ----------
+    problem : Problem
+    labellings : Labellings
+
+    Returns
+    -------
+    list of mapping
+        For each labelling, by the term's number in :attr:`Problem.unary_terms`.
+    """
+    terms = [(t, term) for t, term in enumerate(problem.unary_terms) if term.vectorized is not None]
+    if not terms:
+        return [{} for _ in range(len(labellings))]
+    rows, parts = np.nonzero(~all_empty_parts(problem.terms, labellings))
+    values = np.full((len(problem.unary_terms), *labellings.areas.shape), np.nan)
+    for t, term in terms:
+        values[t, rows, parts] = vectorized_values(term, labellings, rows, parts[:, None])
+    lists: list[list[list[float]]] = values.swapaxes(0, 1).tolist()
+    return [{t: of_one[t] for t, _ in terms} for of_one in lists]
 
 
 class UnaryCosts:
@@ -32,6 +66,8 @@ class UnaryCosts:
         Its parts may come in any order.
     pins : Pins
         An assignment that breaks fewer of them is better whatever it costs.
+    vectorized : mapping, optional
+        From :func:`unary_values`, where that was asked of several segmentations at once.
 
     Attributes
     ----------
@@ -42,13 +78,24 @@ class UnaryCosts:
         Where the bound is the cost itself.
     """
 
-    def __init__(self, problem: Problem, segmentation: Segmentation, pins: Pins = NO_PINS) -> None:
+    def __init__(
+        self,
+        problem: Problem,
+        segmentation: Segmentation,
+        pins: Pins = NO_PINS,
+        *,
+        vectorized: TermValues | None = None,
+    ) -> None:
         n = len(problem.labels)
+        if vectorized is None:
+            vectorized = unary_values(problem, segmentation.labelling)[0]
+        self._vectorized = vectorized
         self._broken = pins.broken_by_part(segmentation.level_labels, n)
         self._segmentation = segmentation
         self._empty = empty_parts(problem.terms, segmentation)
         self._terms = [
-            [term for term in problem.unary_terms if (label,) in term.calls] for label in range(n)
+            [(t, term) for t, term in enumerate(problem.unary_terms) if (label,) in term.calls]
+            for label in range(n)
         ]
         # Should an objective fail: the part that it fails on has no label yet.
         self._names = ["a part without a label yet"] * n
@@ -120,7 +167,10 @@ class UnaryCosts:
         """Sum the terms of one entry; dear ones at their least unless everything is asked."""
         total, complete = 0.0, True
         if not self._empty[part]:
-            for term in self._terms[label]:
+            for t, term in self._terms[label]:
+                if t in self._vectorized:
+                    total += term.weight * self._vectorized[t][part]
+                    continue
                 low, high = term.objective.traits.range
                 least = low if term.weight > 0 else high
                 value: float | None = least

@@ -1,8 +1,9 @@
 """From vectors to costs, in batches: labels, parts, terms (Sec. 4 and 7).
 
-The search spends its time here. Three things keep it short, none of which changes a result:
+The search spends its time here. Four things keep it short, none of which changes a result:
 
-- values of parts that were seen before are remembered (:mod:`moseg_core.components.memo`);
+- terms with a vectorised form are evaluated for all candidates of a batch in one call;
+- other values of parts that were seen before are remembered (:mod:`moseg_core.components.memo`);
 - equal labellings in a batch are evaluated once;
 - where the optimizer promises that only the best of a batch matters, terms are evaluated from
   cheap to expensive, and a candidate is dropped as soon as what is known of its cost, with every
@@ -12,21 +13,23 @@ The search spends its time here. Three things keep it short, none of which chang
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from moseg_core.components.cost import Cost
 from moseg_core.components.discovery.lookup import Lookup
 from moseg_core.components.field import field_values
+from moseg_core.components.labellings import Labellings
 from moseg_core.components.memo import Memo
 from moseg_core.components.protocols import Batch, Parameterization
 from moseg_core.components.segmentation import Segmentation
 from moseg_core.problem.aggregate import (
     Evaluation,
     Values,
+    all_empty_parts,
+    all_term_values,
     call_value,
-    empty_parts,
     evaluate_segmentation,
     known_value,
     leaves_out,
@@ -34,14 +37,11 @@ from moseg_core.problem.aggregate import (
 )
 from moseg_core.problem.binding import BoundTerm
 from moseg_core.problem.problem import Problem
-from moseg_core.search.assignment import UnaryCosts
+from moseg_core.search.assignment import UnaryCosts, unary_values
 from moseg_core.search.checked_partition import checked
 from moseg_core.shape.pins import NO_PINS, Pins
 from moseg_core.shape.shape import Shape
 from moseg_core.types import FloatArray, Int32Array, IntArray, frozen
-
-#: Up to so many labels of candidates are held at a time, when parts only change their labels.
-_TOGETHER = 4_000_000
 
 Found = tuple[Cost, FloatArray]
 """A cost, and the (m,) vector that has it."""
@@ -96,9 +96,13 @@ class ProblemEvaluator:
         self._lookup = Lookup(problem.registry)
         self._least: Values = [[_least(term)] * len(term.calls) for term in problem.terms]
         self._least_sum = weighted_sum(problem.terms, self._least)
+        self._vectorized: list[tuple[int, BoundTerm]] = []
         self._by_rank: dict[int, list[tuple[int, BoundTerm]]] = {}
         for t, term in enumerate(problem.terms):
-            self._by_rank.setdefault(term.cost_rank, []).append((t, term))
+            if term.vectorized is not None:
+                self._vectorized.append((t, term))
+            else:
+                self._by_rank.setdefault(term.cost_rank, []).append((t, term))
         # Before the search, so that a field that fails is known at once, and processes share it.
         for name in problem.fields:
             field_values(shape, name, lookup=self._lookup)
@@ -153,13 +157,18 @@ class ProblemEvaluator:
         self.evaluations += len(batch.vectors)
         first_of: dict[bytes, int] = {}
         owner: list[int] = []
-        candidates: list[_Candidate] = []
-        for segmentation in self._segmentations(batch.vectors):
-            key = segmentation.summary.hashes.tobytes()
-            owner.append(first_of.setdefault(key, len(candidates)))
-            if owner[-1] == len(candidates):
-                candidates.append(_Candidate(self, segmentation))
-        found = self._complete(candidates, cutoff=batch.cutoff, best_only=batch.best_only)
+        distinct: list[int] = []
+        labellings = self._labellings(batch.vectors)
+        for row, hashes in enumerate(labellings.summary.hashes):
+            owner.append(first_of.setdefault(hashes.tobytes(), len(distinct)))
+            if owner[-1] == len(distinct):
+                distinct.append(row)
+        orders = np.tile(np.arange(labellings.n_parts), (len(distinct), 1))
+        found = self._complete(
+            _Candidates(self, labellings, np.array(distinct, np.int64), orders),
+            cutoff=batch.cutoff,
+            best_only=batch.best_only,
+        )
         costs = [found[k] for k in owner]
         if costs:
             least = min(costs)  # exact, by the batch's promises, unless it is beyond the cutoff
@@ -177,10 +186,8 @@ class ProblemEvaluator:
 
     def order_cost(self, segmentation: Segmentation, order: IntArray) -> Cost:
         """Cost of a segmentation when label ``j`` goes to its part ``order[j]``."""
-        candidate = _Candidate(self, segmentation.permuted(order))
-        for rank in self._by_rank:
-            candidate.evaluate(rank)
-        return candidate.cost
+        labelling = segmentation.labelling
+        return self._exact(_Candidates(self, labelling, np.zeros(1, np.int64), order[None]))[0]
 
     def order_costs(
         self, segmentation: Segmentation, orders: Sequence[IntArray], cutoff: Cost
@@ -197,13 +204,11 @@ class ProblemEvaluator:
             either.
         """
         self.evaluations += len(orders)
-        costs: list[Cost] = []
-        together = max(1, _TOGETHER // max(1, segmentation.level.n_elements))
-        for first in range(0, len(orders), together):
-            some = orders[first : first + together]
-            candidates = [_Candidate(self, segmentation.permuted(order)) for order in some]
-            costs += self._complete(candidates, cutoff=min([cutoff, *costs]), best_only=True)
-        return costs
+        if not orders:
+            return []
+        rows = np.zeros(len(orders), np.int64)
+        candidates = _Candidates(self, segmentation.labelling, rows, np.stack(orders))
+        return self._complete(candidates, cutoff=cutoff, best_only=True)
 
     def labelled_costs(self, vectors: FloatArray) -> list[tuple[IntArray, Cost]]:
         """For each vector the best labels by the unary objectives, and the cost under them.
@@ -221,86 +226,168 @@ class ProblemEvaluator:
             ``order[j]`` is the part that label ``j`` goes to; the cost counts all terms.
         """
         self.evaluations += len(vectors)
-        found = []
-        for vector, segmentation in zip(vectors, self._segmentations(vectors), strict=True):
-            order = self.unary_costs_of(segmentation).assign(self.constraints.groups)
-            cost = self.order_cost(segmentation, order)
+        labellings = self._labellings(vectors)
+        values = unary_values(self.problem, labellings)
+        orders = [
+            UnaryCosts(
+                self.problem, self._segmentation(labellings, row), self.pins, vectorized=known
+            ).assign(self.constraints.groups)
+            for row, known in enumerate(values)
+        ]
+        candidates = _Candidates(self, labellings, np.arange(len(orders)), np.stack(orders))
+        costs = self._exact(candidates)
+        for vector, order, cost in zip(vectors, orders, costs, strict=True):
             if self.best is None or cost < self.best[0]:
                 self._keep(cost, self.parameterization.permute(vector, order))
-            found.append((order, cost))
-        return found
+        return list(zip(orders, costs, strict=True))
 
-    def _segmentations(self, vectors: FloatArray) -> Iterator[Segmentation]:
-        """The parts of the partitions that vectors describe."""
-        n = len(self.problem.labels)
+    def _labellings(self, vectors: FloatArray) -> Labellings:
+        """The partitions that vectors describe."""
         # A copy: a parameterization may write its next labels where it wrote these.
         labels = frozen(np.array(self.parameterization.labels(vectors), np.int32, order="C"))
-        for row in labels:
-            yield Segmentation.from_checked(self.shape, row, n, memo=self.memo, lookup=self._lookup)
+        return Labellings.of(self.shape, labels, len(self.problem.labels), self._lookup)
+
+    def _segmentation(self, labellings: Labellings, row: int) -> Segmentation:
+        """One of several partitions, sharing this evaluator's memory."""
+        return Segmentation(
+            level=labellings.level,
+            level_labels=labellings.labels[row],
+            n_parts=labellings.n_parts,
+            summary=labellings.summary.row(row),
+            memo=self.memo,
+            lookup=self._lookup,
+        )
 
     def _keep(self, cost: Cost, vector: FloatArray) -> None:
         """Remember a candidate if it is the best so far."""
         if self.best is None or cost < self.best[0]:
             self.best = cost, vector.copy()
 
+    def _exact(self, candidates: _Candidates) -> list[Cost]:
+        """Costs of candidates, all terms evaluated."""
+        everyone = range(len(candidates.costs))
+        candidates.evaluate_vectorized(everyone)
+        for c in everyone:
+            for rank in sorted(self._by_rank):
+                candidates.evaluate(c, rank)
+        return candidates.costs
+
     def _complete(
-        self, candidates: list[_Candidate], *, cutoff: Cost | None, best_only: bool
+        self, candidates: _Candidates, *, cutoff: Cost | None, best_only: bool
     ) -> list[Cost]:
         """Costs of distinct candidates, dropping those that cannot matter; see :class:`Batch`."""
-        limit = cutoff
-        ranks = sorted(self._by_rank)
+        costs, ranks = candidates.costs, sorted(self._by_rank)
+        hopeful = [c for c, cost in enumerate(costs) if cutoff is None or cost < cutoff]
         if not best_only:
-            for candidate in candidates:
+            candidates.evaluate_vectorized(hopeful)
+            for c in hopeful:
                 for rank in ranks:
-                    if limit is not None and candidate.cost >= limit:
+                    if cutoff is not None and costs[c] >= cutoff:
                         break
-                    candidate.evaluate(rank)
-            return [candidate.cost for candidate in candidates]
+                    candidates.evaluate(c, rank)
+            return costs
         # Cheapest terms of all first: the most promising candidate then sets the mark early.
         best: tuple[Cost, int] | None = None
-        fewest = min((candidate.violations for candidate in candidates), default=0)
-        hopeful = [k for k, c in enumerate(candidates) if c.violations == fewest]
-        for k in hopeful:
-            candidates[k].evaluate(ranks[0])
-        for k in sorted(hopeful, key=lambda k: (candidates[k].cost, k)):
-            candidate = candidates[k]
-            for rank in ranks[1:]:
-                if limit is not None and candidate.cost >= limit:
+        fewest = min((cost.empty for cost in costs), default=0)
+        hopeful = [c for c in hopeful if costs[c].empty == fewest]
+        candidates.evaluate_vectorized(hopeful)
+        if not self._vectorized and ranks:
+            for c in hopeful:
+                candidates.evaluate(c, ranks[0])
+        for c in sorted(hopeful, key=lambda c: (costs[c], c)):
+            for rank in ranks if self._vectorized else ranks[1:]:
+                if cutoff is not None and costs[c] >= cutoff:
                     break
-                if best is not None and (candidate.cost, k) > best:
+                if best is not None and (costs[c], c) > best:
                     break
-                candidate.evaluate(rank)
+                candidates.evaluate(c, rank)
             else:
-                if best is None or (candidate.cost, k) < best:
-                    best = (candidate.cost, k)
-        return [candidate.cost for candidate in candidates]
+                if best is None or (costs[c], c) < best:
+                    best = (costs[c], c)
+        return costs
 
 
-class _Candidate:
-    """A segmentation some of whose terms are evaluated; the others stand at their least."""
+class _Candidates:
+    """Segmentations some of whose terms are evaluated; the others stand at their least.
 
-    def __init__(self, evaluator: ProblemEvaluator, segmentation: Segmentation) -> None:
-        self.evaluator = evaluator
-        self.terms = terms = evaluator.problem.terms
-        self.segmentation = segmentation
-        self.empty = empty_parts(terms, segmentation)
-        self.violations = sum(self.empty) + evaluator.pins.broken(segmentation.level_labels)
-        self.values: Values = evaluator._least.copy()
-        least = evaluator._least_sum
-        if True in self.empty:
-            self.values = [
-                [None if leaves_out(term, call, self.empty) else row[0] for call in term.calls]
-                for term, row in zip(terms, self.values, strict=True)
+    Parameters
+    ----------
+    evaluator : ProblemEvaluator
+    labellings : Labellings
+    rows : (C,) int
+        The labelling that each candidate is of.
+    orders : (C, n) int
+        Which of its parts bears each label.
+
+    Attributes
+    ----------
+    costs : list of Cost
+        Of each candidate, or a lower bound of it.
+    """
+
+    def __init__(
+        self,
+        evaluator: ProblemEvaluator,
+        labellings: Labellings,
+        rows: IntArray,
+        orders: IntArray,
+    ) -> None:
+        self._evaluator = evaluator
+        self._terms = terms = evaluator.problem.terms
+        self._labellings, self._rows, self._orders = labellings, rows, orders
+        self._made: dict[int, Segmentation] = {}
+        self._empty = all_empty_parts(terms, labellings)[rows[:, None], orders]
+        violations: list[int] = np.count_nonzero(self._empty, axis=1).tolist()
+        self._some_empty = [count > 0 for count in violations]
+        if len(evaluator.pins.elements):
+            violations = [
+                count + evaluator.pins.broken(self.segmentation(c).level_labels)
+                for c, count in enumerate(violations)
             ]
-            least = weighted_sum(terms, self.values)
-        self.cost = Cost(self.violations, least)
+        self.costs = [Cost(count, evaluator._least_sum) for count in violations]
+        self._values: list[Values] = [evaluator._least.copy() for _ in violations]
+        for c, some in enumerate(self._some_empty):
+            if some:
+                empty = self._empty[c].tolist()
+                self._values[c] = [
+                    [None if leaves_out(term, call, empty) else row[0] for call in term.calls]
+                    for term, row in zip(terms, self._values[c], strict=True)
+                ]
+                self._add_up(c)
 
-    def evaluate(self, rank: int) -> None:
-        """Evaluate the terms of one cost class; `cost` becomes a better lower bound."""
-        segmentation, empty = self.segmentation, self.empty
-        some_empty, missing = True in empty, []
-        for t, term in self.evaluator._by_rank[rank]:
-            row = self.values[t] = [
+    def segmentation(self, c: int) -> Segmentation:
+        """A candidate's parts, for terms that look at them one by one."""
+        if c not in self._made:
+            made = self._evaluator._segmentation(self._labellings, int(self._rows[c]))
+            order = self._orders[c]
+            moved = (order != np.arange(len(order))).any()
+            self._made[c] = made.permuted(order) if moved else made
+        return self._made[c]
+
+    def _add_up(self, c: int) -> None:
+        self.costs[c] = Cost(self.costs[c].empty, weighted_sum(self._terms, self._values[c]))
+
+    def evaluate_vectorized(self, which: Sequence[int]) -> None:
+        """Evaluate all terms with a vectorised form; costs become better lower bounds."""
+        vectorized = self._evaluator._vectorized
+        if not which or not vectorized:
+            return
+        chosen = np.array(which)
+        rows, orders, empty = self._rows[chosen], self._orders[chosen], self._empty[chosen]
+        for t, term in vectorized:
+            found = all_term_values(term, self._labellings, rows, orders, empty)
+            for c, row in zip(which, found, strict=True):
+                self._values[c][t] = row
+        for c in which:
+            self._add_up(c)
+
+    def evaluate(self, c: int, rank: int) -> None:
+        """Evaluate a candidate's other terms of one cost class; its cost becomes a better bound."""
+        segmentation, some_empty = self.segmentation(c), self._some_empty[c]
+        empty: list[bool] = self._empty[c].tolist()
+        missing = []
+        for t, term in self._evaluator._by_rank[rank]:
+            row = self._values[c][t] = [
                 None
                 if some_empty and leaves_out(term, call, empty)
                 else known_value(term, call, segmentation)
@@ -314,12 +401,12 @@ class _Candidate:
                     for call, value in zip(term.calls, row, strict=True):
                         if value is None:
                             view.part(call[0])
-        names = self.evaluator.problem.labels
+        names = self._evaluator.problem.labels
         for term, row in missing:
-            for c, call in enumerate(term.calls):
-                if row[c] is None:
-                    row[c] = call_value(term, call, segmentation, empty, names)
-        self.cost = Cost(self.violations, weighted_sum(self.terms, self.values))
+            for k, call in enumerate(term.calls):
+                if row[k] is None:
+                    row[k] = call_value(term, call, segmentation, empty, names)
+        self._add_up(c)
 
 
 def _least(term: BoundTerm) -> float:

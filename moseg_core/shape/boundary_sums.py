@@ -1,4 +1,4 @@
-"""The boundaries of all parts of a labelling: the links that cross, and sums over these.
+"""The boundaries of all parts of a labelling: sums over the links that cross from part to part.
 
 The twin of :mod:`moseg_core.shape.part_sums` for links (:mod:`moseg_core.shape.links`). Sums run
 in the order of the links, a part's own sum included, so that what is said of the boundary of a part
@@ -12,43 +12,10 @@ from moseg_core.types import FloatArray, Int32Array
 
 
 @kernel
-def find_crossings(
+def sum_boundaries(
     labels: Int32Array,
     first: Int32Array,
     second: Int32Array,
-    crossings: Int32Array,
-    sides: Int32Array,
-) -> int:
-    """The links between elements of two parts, in their order, and how many they are.
-
-    Few links cross, and several quantities are summed over them.
-
-    Parameters
-    ----------
-    labels : (F,) int32
-        Part of each element, 0 to n - 1.
-    first, second : (E,) int32
-        The two elements of each link.
-    crossings : (E,) int32, written
-        Numbers of the links that cross.
-    sides : (E, 2) int32, written
-        The two parts of each of them.
-    """
-    count = 0
-    for e in range(first.shape[0]):
-        p, q = labels[first[e]], labels[second[e]]
-        if p != q:
-            crossings[count] = e
-            sides[count, 0], sides[count, 1] = p, q
-            count += 1
-    return count
-
-
-@kernel
-def sum_boundaries(
-    count: int,
-    crossings: Int32Array,
-    sides: Int32Array,
     values: FloatArray,
     whole: FloatArray,
     between: FloatArray,
@@ -57,21 +24,25 @@ def sum_boundaries(
 
     Parameters
     ----------
-    count : int
-        How many links cross.
-    crossings, sides : (E,) and (E, 2) int32
-        From :func:`find_crossings`.
-    values : (E,) float
-        Of all links.
-    whole : (n,) float, written
-    between : (n, n) float, written
+    labels : (B, F) int32
+        Part of each element, 0 to n - 1, in several labellings.
+    first, second : (E,) int32
+        The two elements of each link.
+    values : (q, E) float
+        Several quantities of all links.
+    whole : (q, B, n) float, written
+    between : (q, B, n, n) float, written
         Symmetric; 0 on the diagonal.
     """
     whole[:] = 0.0
     between[:] = 0.0
-    for c in range(count):
-        p, q, value = sides[c, 0], sides[c, 1], values[crossings[c]]
-        whole[p] += value
-        whole[q] += value
-        between[p, q] += value
-        between[q, p] += value
+    for b in range(labels.shape[0]):
+        for e in range(first.shape[0]):
+            i, j = labels[b, first[e]], labels[b, second[e]]
+            if i != j:  # as few are
+                for q in range(values.shape[0]):
+                    value = values[q, e]
+                    whole[q, b, i] += value
+                    whole[q, b, j] += value
+                    between[q, b, i, j] += value
+                    between[q, b, j, i] += value

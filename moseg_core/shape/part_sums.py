@@ -5,6 +5,9 @@ areas, first and second moments. The sums run in element order and never by diff
 another labelling, so that a part's measures depend on its members alone: a value remembered
 under the part's hash equals one computed anew, to the last bit.
 
+All kernels take several labellings of the same elements at once, as a search asks for them: to call
+a kernel takes as long as it takes to go through a few hundred elements.
+
 The hash is the sum, modulo 2**64 and twice with different constants, of a mixed element number (the
 finaliser of SplitMix64; Steele, Lea, Flood 2014, doi:10.1145/2660193.2660195). It does not depend
 on the order of the elements or on the process. Since it is a sum, the hash of a super-element
@@ -56,11 +59,11 @@ def summarize_parts(
     hashes: npt.NDArray[np.uint64],
     moments: FloatArray,
 ) -> None:
-    """Counts, membership hashes and moment sums of every part.
+    """Counts, membership hashes and moment sums of every part of several labellings.
 
     Parameters
     ----------
-    labels : (F,) int32
+    labels : (B, F) int32
         Part of each element, 0 to n - 1.
     areas : (F,) float
     first : (F, 3) float
@@ -68,24 +71,25 @@ def summarize_parts(
     second : (F, 6) float
         xx, xy, xz, yy, yz, zz.
     element_hashes : (F, 2) uint64
-    counts : (n,) int64, written
-    hashes : (n, 2) uint64, written
-    moments : (n, 10) float, written
+    counts : (B, n) int64, written
+    hashes : (B, n, 2) uint64, written
+    moments : (B, n, 10) float, written
         Area, first moments, second moments.
     """
     counts[:] = 0
     hashes[:] = 0
     moments[:] = 0.0
-    for f in range(labels.shape[0]):
-        k = labels[f]
-        counts[k] += 1
-        hashes[k, 0] += element_hashes[f, 0]
-        hashes[k, 1] += element_hashes[f, 1]
-        moments[k, 0] += areas[f]
-        for j in range(3):
-            moments[k, 1 + j] += first[f, j]
-        for j in range(6):
-            moments[k, 4 + j] += second[f, j]
+    for b in range(labels.shape[0]):
+        for f in range(labels.shape[1]):
+            k = labels[b, f]
+            counts[b, k] += 1
+            hashes[b, k, 0] += element_hashes[f, 0]
+            hashes[b, k, 1] += element_hashes[f, 1]
+            moments[b, k, 0] += areas[f]
+            for j in range(3):
+                moments[b, k, 1 + j] += first[f, j]
+            for j in range(6):
+                moments[b, k, 4 + j] += second[f, j]
 
 
 @kernel
@@ -123,40 +127,46 @@ def summarize_field(
     middle: float,
     rows: FloatArray,
 ) -> None:
-    """A field over several parts: mean, spread and extremes.
+    """A field over several parts of several labellings: mean, spread and extremes.
 
     Parameters
     ----------
-    labels : (F,) int32
+    labels : (B, F) int32
         Part of each element, 0 to n - 1.
-    wanted : (n,) bool
+    wanted : (B, n) bool
         The parts to summarize.
     weighted, squared, least, greatest : (F,) float
         Sums and extremes of each element (:class:`moseg_core.components.field.FieldSums`).
-    areas : (n,) float
+    areas : (B, n) float
         Of the parts.
     middle : float
         What the sums are about.
-    rows : (n, 4) float, written
+    rows : (B, n, 4) float, written
         Of every wanted part mean, standard deviation, least and greatest value; NaN for the first
         two where it has no area.
     """
-    for k in range(wanted.shape[0]):
-        if wanted[k]:
-            rows[k, 0], rows[k, 1], rows[k, 2], rows[k, 3] = 0.0, 0.0, np.inf, -np.inf
-    for f in range(labels.shape[0]):
-        k = labels[f]
-        if wanted[k]:
-            rows[k, 0] += weighted[f]
-            rows[k, 1] += squared[f]
-            rows[k, 2] = min(rows[k, 2], least[f])
-            rows[k, 3] = max(rows[k, 3], greatest[f])
-    for k in range(wanted.shape[0]):
-        if wanted[k]:
-            if areas[k] == 0:
-                rows[k, 0], rows[k, 1] = np.nan, np.nan
-            else:
-                mean = rows[k, 0] / areas[k]
-                variance = rows[k, 1] / areas[k] - mean * mean
-                rows[k, 0] = middle + mean
-                rows[k, 1] = np.sqrt(max(variance, 0.0))
+    for b in range(labels.shape[0]):
+        some = False
+        for k in range(wanted.shape[1]):
+            if wanted[b, k]:
+                some = True
+                rows[b, k, 0], rows[b, k, 1] = 0.0, 0.0
+                rows[b, k, 2], rows[b, k, 3] = np.inf, -np.inf
+        if not some:
+            continue
+        for f in range(labels.shape[1]):
+            k = labels[b, f]
+            if wanted[b, k]:
+                rows[b, k, 0] += weighted[f]
+                rows[b, k, 1] += squared[f]
+                rows[b, k, 2] = min(rows[b, k, 2], least[f])
+                rows[b, k, 3] = max(rows[b, k, 3], greatest[f])
+        for k in range(wanted.shape[1]):
+            if wanted[b, k]:
+                if areas[b, k] == 0:
+                    rows[b, k, 0], rows[b, k, 1] = np.nan, np.nan
+                else:
+                    mean = rows[b, k, 0] / areas[b, k]
+                    variance = rows[b, k, 1] / areas[b, k] - mean * mean
+                    rows[b, k, 0] = middle + mean
+                    rows[b, k, 1] = np.sqrt(max(variance, 0.0))

@@ -10,8 +10,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from moseg_core import Part, Table, objective
+import numpy as np
+
+from moseg_core import Part, PartArray, Table, objective
 from moseg_learn.looks import FIELDS, MOST, Looks
+from moseg_learn.neighbourhoods import FloatArray
 
 
 def fields_of(given: Mapping[str, Any]) -> tuple[str, ...]:
@@ -32,12 +35,19 @@ def fields_of(given: Mapping[str, Any]) -> tuple[str, ...]:
     return (*FIELDS, "learn:unlikeliness")
 
 
+def all_likely(parts: PartArray, *, kind: str, among: Table) -> FloatArray:
+    """:func:`likely` of several parts, (k,) float."""
+    means = parts.field("learn:unlikeliness", kind=kind, among=among).mean
+    return np.clip(means, 0.0, MOST)
+
+
 @objective(
     range=(0, MOST),
     requires=("surface", "adjacency"),
     invariant_to=("rigid", "scale", "reflection", "order"),
     fields=fields_of,
     mean_of=lambda given: ("learn:unlikeliness", given),
+    vectorized=all_likely,
 )
 def likely(part: Part, *, kind: str, among: Table) -> float:
     """The mean over the part of ``-log p``, how unlikely it is that it is of a kind.

@@ -16,7 +16,12 @@ import math
 from collections.abc import Container, Mapping
 from typing import Annotated, Any, TypeAlias
 
-from moseg_core import Detail, Interval, Part, Target, objective
+import numpy as np
+import numpy.typing as npt
+
+from moseg_core import Detail, Interval, Part, PartArray, Target, objective
+
+FloatArray: TypeAlias = npt.NDArray[np.float64]
 
 _THICKNESS, _REMOTENESS, _CONCAVITY = "basic:thickness", "basic:remoteness", "basic:concavity"
 
@@ -150,12 +155,60 @@ def measured(part: Part, names: Container[str]) -> dict[str, float]:
     return found
 
 
+def measured_of_all(parts: PartArray, names: Container[str]) -> dict[str, FloatArray]:
+    """The measures of several parts, by name: :func:`measured` by arrays, (k,) float each.
+
+    Parameters
+    ----------
+    parts : PartArray
+    names : collection of str
+    """
+    found: dict[str, FloatArray] = {}
+    shape, areas = parts.shape, parts.areas
+    size = np.cbrt(areas) if shape.solid else np.sqrt(areas)
+    if "area" in names:
+        found["area"] = areas / shape.area
+    if "length" in names or "width" in names or "depth" in names or "spread" in names:
+        s1, s2, s3 = np.ascontiguousarray(parts.scales.T)
+        unit = _EXTENT / shape.box_diagonal
+        found["length"], found["width"], found["depth"] = s1 * unit, s2 * unit, s3 * unit
+        found["spread"] = np.sqrt(s1 * s1 + s2 * s2 + s3 * s3) / size
+    if "offcenter" in names:
+        x, y, z = np.ascontiguousarray((parts.centroids - shape.centroid).T)
+        found["offcenter"] = np.sqrt(x * x + y * y + z * z) / shape.box_diagonal
+    if "thickness" in names or "unevenness" in names:
+        thickness = parts.field(_THICKNESS)
+        found["thickness"] = thickness.mean
+        found["unevenness"] = thickness.spread / thickness.mean
+    if "remoteness" in names or "nearest" in names or "farthest" in names:
+        remoteness = parts.field(_REMOTENESS)
+        found["remoteness"] = remoteness.mean
+        found["nearest"], found["farthest"] = remoteness.least, remoteness.greatest
+    if "boundary" in names or "crease" in names:
+        lengths = parts.boundary_lengths
+        found["boundary"] = lengths / (size**2 if shape.solid else size)
+        if "crease" in names:
+            found["crease"] = np.where(lengths > 0, parts.boundary_means(_CONCAVITY), 0.0)
+    return found
+
+
+def all_off(parts: PartArray, **given: Target | None) -> FloatArray:
+    """:func:`is_` of several parts, (k,) float."""
+    asked = {name: target for name, target in given.items() if target is not None}
+    values, total = measured_of_all(parts, asked), np.zeros(len(parts))
+    for name, target in asked.items():
+        off = target.ratio_costs if name in BY_RATIO else target.costs
+        total += off(values[name])
+    return total / max(1, len(asked))
+
+
 @objective(
     range=(0, math.inf),
     invariant_to=("rigid", "scale", "reflection", "order"),
     fields=fields_of,
     share=expected_share,
     details=disagreements,
+    vectorized=all_off,
 )
 def is_(
     part: Part,

@@ -9,10 +9,24 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 
-from moseg_core import Part, objective
+from moseg_core import Part, PartArray, objective
+
+FloatArray: TypeAlias = npt.NDArray[np.float64]
+
+
+def all_touching(parts: PartArray) -> FloatArray:
+    """:func:`touching` for several calls, (k,) float."""
+    shared = parts.lengths_between[:, 0, 1:]
+    gaps = np.zeros(len(parts))
+    for call, other in np.argwhere(~(shared > 0)).tolist():
+        gaps[call] += parts.distance(call, 0, other + 1)
+    least: FloatArray = np.minimum(1.0, gaps / shared.shape[1] / parts.shape.box_diagonal)
+    return least
 
 
 @objective(
@@ -20,6 +34,7 @@ from moseg_core import Part, objective
     requires=("adjacency",),
     invariant_to=("rigid", "scale", "reflection", "order"),
     cost="moderate",
+    vectorized=all_touching,
 )
 def touching(parts: Sequence[Part]) -> float:
     """``mean_i gap(P_1, P_i) / d``: whether the first part touches each of the others.
@@ -58,10 +73,25 @@ def touching(parts: Sequence[Part]) -> float:
     return min(1.0, gaps / len(others) / first.shape.box_diagonal)
 
 
+def all_apart(parts: PartArray) -> FloatArray:
+    """:func:`apart` for several calls, (k,) float."""
+    lengths, between = parts.boundary_lengths, parts.lengths_between
+    total, m = np.zeros(len(parts)), lengths.shape[1]
+    for i in range(m - 1):
+        least = np.minimum(lengths[:, i, None], lengths[:, i + 1 :])
+        shared = between[:, i, i + 1 :]
+        shares = np.divide(shared, least, out=np.zeros_like(shared), where=shared > 0)
+        for j in range(m - 1 - i):  # one after the other, whatever the number of calls
+            total += shares[:, j]
+    mean: FloatArray = np.minimum(1.0, total / math.comb(m, 2))
+    return mean
+
+
 @objective(
     range=(0, 1),
     requires=("adjacency",),
     invariant_to=("rigid", "scale", "reflection", "order", "tessellation", "labels"),
+    vectorized=all_apart,
 )
 def apart(parts: Sequence[Part]) -> float:
     """``mean_ij L_ij / min(L_i, L_j)``: how much of their boundaries parts have with each other.

@@ -10,11 +10,15 @@ of one part, ``short_boundaries`` and ``creased_boundaries`` of all; ``separate`
 from __future__ import annotations
 
 import math
+from typing import TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 
-from moseg_core import Part, Segmentation, objective
+from moseg_core import Part, PartArray, Segmentation, objective
 from moseg_objectives_basic.fields.concavity import CHEAP, DEAR
+
+FloatArray: TypeAlias = npt.NDArray[np.float64]
 
 _UNCREASED = "basic:uncreased"
 
@@ -169,11 +173,29 @@ def creased_boundaries(segmentation: Segmentation) -> float:
     return _within(boundaries.mean(_UNCREASED)) if boundaries.length > 0 else 0.0
 
 
+def all_separate(parts: PartArray) -> FloatArray:
+    """:func:`separate` of several parts, (k,) float; of parts of segmentations (k, n)."""
+    lengths = parts.boundary_lengths
+    means = np.where(lengths > 0, parts.boundary_means(_UNCREASED), 0.0)
+    joined = lengths * (CHEAP + (DEAR - CHEAP) * means)
+    values: FloatArray = joined / (joined + np.sqrt(4.0 * math.pi * parts.areas))
+    return values
+
+
+def all_separate_parts(segmentations: PartArray) -> FloatArray:
+    """:func:`separate_parts` of several segmentations, (k,) float."""
+    values = all_separate(segmentations)
+    sums = np.array([math.fsum(row) for row in values.tolist()], np.float64)
+    means: FloatArray = sums / values.shape[1]
+    return means
+
+
 @objective(
     range=(0, 1),
     requires=("surface", "adjacency"),
     invariant_to=("rigid", "scale", "reflection", "order"),
     fields=(_UNCREASED,),
+    vectorized=all_separate,
 )
 def separate(part: Part) -> float:
     """``U / (U + sqrt(4 pi A))``: how firmly the part is joined to the rest, for its area.
@@ -219,6 +241,7 @@ def separate(part: Part) -> float:
     requires=("surface", "adjacency"),
     invariant_to=("rigid", "scale", "reflection", "order", "labels"),
     fields=(_UNCREASED,),
+    vectorized=all_separate_parts,
 )
 def separate_parts(segmentation: Segmentation) -> float:
     """``mean_i separate(P_i)``: how firmly parts are joined, for their area.
