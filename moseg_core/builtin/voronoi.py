@@ -19,7 +19,6 @@ from __future__ import annotations
 
 import fnmatch
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
@@ -32,15 +31,15 @@ from moseg_core.builtin.flood import (
 )
 from moseg_core.components.protocols import Centers, centers_of_parts
 from moseg_core.errors import UsageError, unknown
-from moseg_core.search.workers import available_workers
+from moseg_core.shape.row_threads import over_rows
 from moseg_core.shape.shape import Shape
 from moseg_core.types import BoolArray, FloatArray, Int32Array, IntArray
 
 #: With centers="auto" a part that is expected to have more than this share of the area gets so
 #: many centres more.
 _LARGE, _MORE = 0.25, 2
-#: Below so many labels to find, threads take longer to start than they save.
-_WORTH_THREADS = 300_000
+#: About how long it takes to find a label.
+_SECONDS = 5e-8
 
 
 class Voronoi:
@@ -149,10 +148,11 @@ class Voronoi:
         points = np.ascontiguousarray(self._shape.unit_points)
         adjacency = self._shape.adjacency if self.connected else None
 
-        def partition(b: int) -> None:
+        def partition(first: int, end: int) -> None:
             # One of its own for each thread at work; they are kept for the next batch.
             space = self._spare.pop() if self._spare else self._workspace()
-            write(b, *space)
+            for b in range(first, end):
+                write(b, *space)
             self._spare.append(space)
 
         def write(b: int, table: FloatArray, key: FloatArray, code: IntArray) -> None:
@@ -174,13 +174,7 @@ class Voronoi:
                 own = parts, self._component
                 flood_parts(points, centers, weights, *own, *graph, labels[b], table, key, code)
 
-        workers = min(len(rows), available_workers())
-        if workers < 2 or labels.size < _WORTH_THREADS:
-            for b in range(len(rows)):
-                partition(b)
-        else:  # the kernels release the GIL, and each row is written by one thread
-            with ThreadPoolExecutor(workers) as pool:
-                list(pool.map(partition, range(len(rows))))
+        over_rows(partition, len(rows), seconds=_SECONDS * labels.size)
         return labels
 
     def encode(self, centers: Centers) -> FloatArray:

@@ -22,8 +22,12 @@ import numpy.typing as npt
 
 from moseg_core.components.discovery.lookup import Lookup
 from moseg_core.components.field import field_sums, link_values
+from moseg_core.shape.row_threads import over_rows
 from moseg_core.shape.shape import Shape
 from moseg_core.types import BoolArray, FloatArray, Int32Array, IntArray, frozen
+
+#: About how long it takes to add an element, or a link, to a sum.
+_SECONDS = 3e-9
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -60,15 +64,11 @@ class Summary:
         counts = np.empty((len(rows), n_parts), np.int64)
         hashes = np.empty((len(rows), n_parts, 2), np.uint64)
         moments = np.empty((len(rows), n_parts, 10))
-        summarize_parts(
-            rows,
-            shape.areas,
-            shape.first_moments,
-            shape.second_moments,
-            shape.element_hashes,
-            counts,
-            hashes,
-            moments,
+        known = shape.areas, shape.first_moments, shape.second_moments, shape.element_hashes
+        over_rows(
+            lambda a, b: summarize_parts(rows[a:b], *known, counts[a:b], hashes[a:b], moments[a:b]),
+            len(rows),
+            seconds=_SECONDS * rows.size,
         )
         if shape.fine is not None:
             sizes = [np.bincount(row, shape.sizes, n_parts) for row in rows]
@@ -179,7 +179,14 @@ class Labellings:
         if missing.any():
             sums = field_sums(self.level, self.lookup.field(name), parameters)
             columns = sums.weighted, sums.squared, sums.least, sums.greatest
-            summarize_field(self.labels, missing, *columns, self.areas, sums.middle, rows)
+            areas = self.areas
+            over_rows(
+                lambda a, b: summarize_field(
+                    self.labels[a:b], missing[a:b], *columns, areas[a:b], sums.middle, rows[a:b]
+                ),
+                len(self),
+                seconds=_SECONDS * self.labels.size,
+            )
             known |= missing
         return rows
 
@@ -225,9 +232,16 @@ class Labellings:
 
         if asked not in self._along:
             links, (count, n) = self.level.links, self.areas.shape
-            whole, between = np.empty((1, count, n)), np.empty((1, count, n, n))
-            sum_boundaries(self.labels, links.first, links.second, values()[None], whole, between)
-            self._along[asked] = frozen(whole[0]), frozen(between[0])
+            along, ends = values(), (links.first, links.second)
+            whole, between = np.empty((count, n)), np.empty((count, n, n))
+            over_rows(
+                lambda a, b: sum_boundaries(
+                    self.labels[a:b], *ends, along, whole[a:b], between[a:b]
+                ),
+                count,
+                seconds=_SECONDS * count * len(links.first),
+            )
+            self._along[asked] = frozen(whole), frozen(between)
         return self._along[asked]
 
 

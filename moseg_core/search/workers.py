@@ -18,7 +18,6 @@ ever, those of the first task that is still running; asked to stop, all are.
 from __future__ import annotations
 
 import multiprocessing
-import os
 import pickle
 import signal
 import traceback
@@ -34,6 +33,7 @@ from moseg_core.components.faults import FAULTS
 from moseg_core.components.protocols import Progress, Report
 from moseg_core.errors import MosegError, PluginError
 from moseg_core.problem.slow_calls import rest
+from moseg_core.shape.row_threads import available_processors
 
 Task = Callable[..., Any]
 """Called with its arguments and ``report``."""
@@ -44,8 +44,7 @@ Enough = Callable[[int, Any], bool]
 
 def available_workers() -> int:
     """Processors that this process may use, where the system tells; all of them elsewhere."""
-    affinity = getattr(os, "sched_getaffinity", None)
-    return len(affinity(0)) if affinity is not None else os.cpu_count() or 1
+    return available_processors()
 
 
 #: Seconds that a process has to end after it was told to.

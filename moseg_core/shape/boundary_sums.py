@@ -28,10 +28,10 @@ def sum_boundaries(
         Part of each element, 0 to n - 1, in several labellings.
     first, second : (E,) int32
         The two elements of each link.
-    values : (q, E) float
-        Several quantities of all links.
-    whole : (q, B, n) float, written
-    between : (q, B, n, n) float, written
+    values : (E,) float
+        Of all links.
+    whole : (B, n) float, written
+    between : (B, n, n) float, written
         Symmetric; 0 on the diagonal.
     """
     whole[:] = 0.0
@@ -40,9 +40,7 @@ def sum_boundaries(
         for e in range(first.shape[0]):
             i, j = labels[b, first[e]], labels[b, second[e]]
             if i != j:  # as few are
-                for q in range(values.shape[0]):
-                    value = values[q, e]
-                    whole[q, b, i] += value
-                    whole[q, b, j] += value
-                    between[q, b, i, j] += value
-                    between[q, b, j, i] += value
+                whole[b, i] += values[e]
+                whole[b, j] += values[e]
+                between[b, i, j] += values[e]
+                between[b, j, i] += values[e]
