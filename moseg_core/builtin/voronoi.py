@@ -18,6 +18,7 @@ Sec. 3.1.
 from __future__ import annotations
 
 import fnmatch
+import itertools
 from collections.abc import Sequence
 
 import numpy as np
@@ -147,6 +148,7 @@ class Voronoi:
         labels = np.empty((len(rows), self._shape.n_elements), np.int32)
         points = np.ascontiguousarray(self._shape.unit_points)
         adjacency = self._shape.adjacency if self.connected else None
+        needed = self._needed(rows)
 
         def partition(first: int, end: int) -> None:
             # One of its own for each thread at work; they are kept for the next batch.
@@ -158,8 +160,7 @@ class Voronoi:
         def write(b: int, table: FloatArray, key: FloatArray, code: IntArray) -> None:
             row, parts = rows[b], self._parts
             if self._several:
-                needed = self._needed(row)
-                row, parts = row[needed], parts[needed]
+                row, parts = row[needed[b]], parts[needed[b]]
             centers, weights = np.ascontiguousarray(row[:, :3]), row[:, 3].copy()
             if adjacency is None:
                 voronoi_labels(points, centers, weights, labels[b], table)
@@ -213,10 +214,18 @@ class Voronoi:
         permuted: FloatArray = vector.reshape(-1, 4)[places].reshape(-1)
         return permuted
 
-    def _needed(self, row: FloatArray) -> BoolArray:
-        """(c,) bool: the centres that are not the same as an earlier one of their part."""
-        rows, starts = row.tolist(), np.repeat(self._starts, self._counts).tolist()
-        return np.array([rows[k] not in rows[first:k] for k, first in enumerate(starts)])
+    def _needed(self, rows: FloatArray) -> BoolArray:
+        """(B, c) bool: the centres that are not the same as an earlier one of their part.
+
+        Parameters
+        ----------
+        rows : (B, c, 4) float
+        """
+        needed = np.ones(rows.shape[:2], np.bool_)
+        for first, count in zip(self._starts.tolist(), self._counts.tolist(), strict=True):
+            for j, k in itertools.combinations(range(first, first + count), 2):
+                needed[:, k] &= (rows[:, j] != rows[:, k]).any(axis=1)
+        return needed
 
 
 def parse_counts(text: str, labels: Sequence[str]) -> dict[str, int]:
