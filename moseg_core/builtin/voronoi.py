@@ -152,7 +152,10 @@ class Voronoi:
 
         def partition(first: int, end: int) -> None:
             # One of its own for each thread at work; they are kept for the next batch.
-            space = self._spare.pop() if self._spare else self._workspace()
+            try:
+                space = self._spare.pop()
+            except IndexError:  # asked for and taken in one step: another thread may be faster
+                space = self._workspace()
             for b in range(first, end):
                 write(b, *space)
             self._spare.append(space)
