@@ -15,7 +15,7 @@ from pathlib import Path
 
 from moseg_core.components.discovery.registry import Component, Registry, registry
 from moseg_core.components.parameters import takes
-from moseg_core.errors import REPORT, MosegError, PluginError, ShapeError, UsageError
+from moseg_core.errors import REPORT, MosegError, PluginError, ShapeError, UsageError, nearest
 from moseg_core.search.result import Result
 from moseg_core.shape.shape import Shape
 
@@ -54,7 +54,7 @@ def load(path: str | os.PathLike[str], *, source: Registry | None = None) -> Sha
     path = Path(path)
     component = (registry() if source is None else source).by_suffix("reader", path.suffix)
     if not path.exists():
-        raise ShapeError(f"'{path}' does not exist")
+        raise ShapeError(f"'{path}' does not exist{_instead_of(path)}")
     if path.is_dir():
         raise ShapeError(f"'{path}' is a folder; name a file in it")
     reader = component.load()
@@ -69,6 +69,17 @@ def load(path: str | os.PathLike[str], *, source: Registry | None = None) -> Sha
             f" {type(shape).__name__}, not a Shape"
         )
     return shape
+
+
+def _instead_of(path: Path) -> str:
+    """What is there in place of a file that does not exist: the end of a message."""
+    try:
+        if not path.parent.is_dir():
+            return f"; there is no folder '{path.parent}'"
+        near = nearest(path.name, [each.name for each in path.parent.iterdir()])
+    except OSError:  # a folder that may not be looked into, a name that no file can have
+        return ""
+    return f"; did you mean '{path.with_name(near)}'?" if near else ""
 
 
 def save(result: Result, path: str | os.PathLike[str], *, source: Registry | None = None) -> None:

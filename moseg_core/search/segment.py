@@ -189,7 +189,9 @@ def solve(
     if isinstance(problem, Hierarchy):
         raise UsageError("segment takes one Problem; give a Hierarchy to segment_hierarchy")
     if not isinstance(problem, Problem):
-        raise UsageError(f"segment takes a Problem, not {problem!r:.60}")
+        raise UsageError(
+            f"segment takes a Problem, not {problem!r:.60}; give a recipe to segment_variants"
+        )
     if defaults is not None:
         check_method(defaults, "defaults")
     settled = options.settled(defaults)

@@ -48,6 +48,17 @@ def test_the_suffix_says_which_reader_is_asked(acme, tmp_path, box):
     assert asked == [path, path]
 
 
+def test_of_a_file_that_is_not_there_the_nearest_is_named(acme, tmp_path):
+    source = acme(tee=lambda path: pytest.fail("asked"))
+    (tmp_path / "camel.tee").touch()
+    with pytest.raises(ShapeError, match=r"did you mean '.*camel\.tee'\?"):
+        load(tmp_path / "cammel.tee", source=source)
+    with pytest.raises(ShapeError, match=r"zzz\.tee' does not exist$"):
+        load(tmp_path / "zzz.tee", source=source)
+    with pytest.raises(ShapeError, match=r"; there is no folder '.*elsewhere'"):
+        load(tmp_path / "elsewhere" / "camel.tee", source=source)
+
+
 def test_what_is_not_there_is_said_before_a_reader_is_asked(acme, tmp_path):
     source = acme(tee=lambda path: pytest.fail("asked"))
     with pytest.raises(ShapeError, match=r"x\.tee' does not exist"):
