@@ -25,15 +25,15 @@ HASHES = [
 
 
 def summarize(labels, areas, first, second, n):
-    counts = np.full(n, 9, np.int64)
-    hashes = np.full((n, 2), 9, np.uint64)
-    moments = np.full((n, 10), 9.0)
+    """The sums of a labelling, which comes second of two."""
+    both = np.array([labels[::-1], labels], np.int32)
+    counts = np.full((2, n), 9, np.int64)
+    hashes = np.full((2, n, 2), 9, np.uint64)
+    moments = np.full((2, n, 10), 9.0)
     of_elements = np.full((len(labels), 2), 9, np.uint64)
     hash_elements(of_elements)
-    summarize_parts(
-        np.asarray(labels, np.int32), areas, first, second, of_elements, counts, hashes, moments
-    )
-    return counts, hashes, moments
+    summarize_parts(both, areas, first, second, of_elements, counts, hashes, moments)
+    return counts[1], hashes[1], moments[1]
 
 
 def hashes_of(labels, n):
@@ -125,24 +125,25 @@ def test_the_hash_is_the_same_in_every_process():
 @settings(max_examples=40, deadline=None)
 def test_summaries_of_a_field_are_those_of_a_loop_over_the_wanted_parts(seed, n):
     rng = np.random.default_rng(seed)
-    labels = rng.integers(0, n, 20).astype(np.int32)
+    labels = rng.integers(0, n, (3, 20)).astype(np.int32)
     weighted, squared, least, greatest = rng.integers(-9, 9, (4, 20)).astype(float)
-    areas, wanted = rng.integers(0, 5, n).astype(float), rng.random(n) < 0.7
-    rows = np.full((n, 4), 7.0)
+    areas, wanted = rng.integers(0, 5, (3, n)).astype(float), rng.random((3, n)) < 0.7
+    wanted[1] = False
+    rows = np.full((3, n, 4), 7.0)
     summarize_field(labels, wanted, weighted, squared, least, greatest, areas, 2.0, rows)
-    for k in range(n):
-        if not wanted[k]:
-            assert rows[k].tolist() == [7.0] * 4
+    for b, k in np.ndindex(3, n):
+        if not wanted[b, k]:
+            assert rows[b, k].tolist() == [7.0] * 4
             continue
-        own = labels == k
+        own = labels[b] == k
         extremes = [least[own].min(initial=np.inf), greatest[own].max(initial=-np.inf)]
-        assert rows[k, 2:].tolist() == extremes
-        if areas[k] == 0:
-            assert np.isnan(rows[k, :2]).all()
+        assert rows[b, k, 2:].tolist() == extremes
+        if areas[b, k] == 0:
+            assert np.isnan(rows[b, k, :2]).all()
             continue
-        mean = weighted[own].sum() / areas[k]
-        variance = squared[own].sum() / areas[k] - mean**2
-        assert rows[k, :2].tolist() == [2.0 + mean, max(variance, 0.0) ** 0.5]
+        mean = weighted[own].sum() / areas[b, k]
+        variance = squared[own].sum() / areas[b, k] - mean**2
+        assert rows[b, k, :2].tolist() == [2.0 + mean, max(variance, 0.0) ** 0.5]
 
 
 @given(st.integers(0, 2**32))
