@@ -27,6 +27,7 @@ _MODULES = (
     "declarations",
     "repeats",
     "objectives",
+    "vectorized",
     "invariances",
     "fields",
     "parameterizations",

@@ -247,7 +247,7 @@ def _expects_a_share(subject: Subject) -> None:
     traits = subject.load().traits
     if traits.share is None:
         raise Skip("it says nothing of shares")
-    for given in _calls_allowed(subject):
+    for given in allowed_parameters(subject):
         try:
             traits.expected_share(given)
         except UsageError:
@@ -270,7 +270,7 @@ def _is_the_mean_it_says(subject: Subject) -> None:
     if target.traits.mean_of is None:
         raise Skip("it does not say that it is the mean of a field")
     parts = calls_on(target, segmented(subject, lump(), slicings(lump())[SLICED[0]]))
-    for given in _calls_allowed(subject):
+    for given in allowed_parameters(subject):
         try:
             averaged = target.traits.averaged_field(given)
         except UsageError:
@@ -315,7 +315,7 @@ def _tells_details(subject: Subject) -> None:
         return tuple(details(parts, **given))
 
     segmentation = segmented(subject, lump(), slicings(lump())[SLICED[0]])
-    for given in (call for call in _calls_allowed(subject) if call):
+    for given in (call for call in allowed_parameters(subject) if call):
         for title, parts in calls_on(target, segmentation).items():
             if isinstance(attempt(target, parts, **given), Raised):
                 continue  # nobody asks for details where there is no value
@@ -331,7 +331,7 @@ def _tells_details(subject: Subject) -> None:
                 )
 
 
-def _calls_allowed(subject: Subject) -> list[dict[str, Any]]:
+def allowed_parameters(subject: Subject) -> list[dict[str, Any]]:
     """What a call may give: what it must, each other parameter alone, all of them together."""
     fixed = required(subject)
     values = {parameter.name: within(parameter) for parameter in declared(subject)}
