@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from dataclasses import replace
 
 import numpy as np
 from hypothesis import strategies as st
@@ -50,9 +51,28 @@ def number_of(parts, levels):
     return sum((k + 1) * part.membership[0] for k, part in enumerate(parts)) % 2**64 % levels
 
 
-def made(arity, range_, cost, *, levels=5, calls=None):
+def numbers_of(parts, levels):
+    """The same for several calls, of parts along a second axis."""
+    hashes = parts._labellings.summary.hashes[..., 0][parts._at].reshape(len(parts), -1)
+    times = np.arange(1, hashes.shape[1] + 1, dtype=np.uint64)
+    return (hashes * times).sum(axis=1, dtype=np.uint64) % np.uint64(levels)
+
+
+def made(arity, range_, cost, *, levels=5, calls=None, vectorized=False):
     """An objective of arbitrary values in its range, few of them, so that costs tie."""
     low, high = range_
+
+    def of_share(share):
+        if math.isfinite(low) and math.isfinite(high):
+            return low + share * (high - low)
+        if math.isfinite(low):
+            return low + 100 * share
+        return (high if math.isfinite(high) else 50.0) - 100 * share
+
+    def all_arbitrary(parts):
+        assert (parts.areas > 0).all()
+        assert (parts.scales[..., 0] > 0).all()
+        return of_share(numbers_of(parts, levels).astype(np.float64) / (levels - 1))
 
     def arbitrary(subject):
         parts = {"unary": lambda: [subject], "nary": lambda: subject}.get(
@@ -61,14 +81,12 @@ def made(arity, range_, cost, *, levels=5, calls=None):
         assert all(part.area > 0 and part.scales[0] > 0 for part in parts)
         if calls is not None:
             calls.append(tuple(part.membership for part in parts))
-        share = number_of(parts, levels) / (levels - 1)
-        if math.isfinite(low) and math.isfinite(high):
-            return low + share * (high - low)
-        if math.isfinite(low):
-            return low + 100 * share
-        return (high if math.isfinite(high) else 50.0) - 100 * share
+        return of_share(number_of(parts, levels) / (levels - 1))
 
-    return FunctionObjective(arbitrary, Traits(arity=arity, range=range_, cost=cost))
+    form = all_arbitrary if vectorized else None
+    return FunctionObjective(
+        arbitrary, Traits(arity=arity, range=range_, cost=cost, vectorized=form)
+    )
 
 
 def evaluator_of(problem, labellings, **options):
@@ -81,11 +99,18 @@ def numbers(count):
     return np.arange(count, dtype=np.float64)[:, None]
 
 
+def plain(objective):
+    """An objective without its vectorised form."""
+    return FunctionObjective(
+        objective._function, replace(objective.traits, vectorized=None), spread=objective._spread
+    )
+
+
 def exact_costs(problem, labellings):
-    """Every term of every candidate, one at a time, nothing remembered."""
+    """Every term of every candidate, one at a time by itself, nothing remembered."""
     return [
         evaluate_segmentation(
-            problem.terms,
+            [replace(term, objective=plain(term.objective)) for term in problem.terms],
             problem.labels,
             Segmentation.from_labels(STRIP, labels, len(problem.labels), memo=Memo(size=0)),
         ).cost
@@ -112,10 +137,14 @@ def lower_by_exchange(problem, shape, labels):
 
 @st.composite
 def problems(draw):
-    """A problem of 1 to 3 labels with terms of all kinds, and a batch of labellings for it."""
+    """A problem of 1 to 3 labels with terms of all kinds, and a batch of labellings for it.
+
+    Of the objectives some have a vectorised form, often all or none.
+    """
     n = draw(st.integers(1, 3))
     names = ["a", "b", "c"][:n]
     objectives, terms = {}, []
+    vectorized = draw(st.sampled_from([[False], [True], [False, True]]))
     for k in range(draw(st.integers(1, 5))):
         arity = draw(st.sampled_from(["unary", "nary", "global"]))
         name = f"f{k}"
@@ -124,6 +153,7 @@ def problems(draw):
             draw(st.sampled_from(RANGES)),
             draw(st.sampled_from(["cheap", "moderate", "expensive"])),
             levels=draw(st.sampled_from([2, 3, 1000])),
+            vectorized=draw(st.sampled_from(vectorized)),
         )
         weight = draw(st.sampled_from(["- 3", "- 0.3", "+ 1", "+ 0.1", "+ 10"]))
         count = 0 if arity == "global" else draw(st.integers(2 if arity == "nary" else 1, 3))
