@@ -71,8 +71,8 @@ class Summary:
             seconds=_SECONDS * rows.size,
         )
         if shape.fine is not None:
-            sizes = [np.bincount(row, shape.sizes, n_parts) for row in rows]
-            counts = np.array(sizes).astype(np.int64)
+            for b, row in enumerate(rows):
+                counts[b] = np.bincount(row, shape.sizes, n_parts)
         whole = cls(counts=counts, hashes=hashes, moments=moments)
         return whole if labels.ndim == 2 else whole.row(0)
 

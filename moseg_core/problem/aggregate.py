@@ -277,10 +277,10 @@ def all_term_values(
         values = vectorized_values(term, labellings, repeated, members)
         return [list(row) for row in values.reshape(-1, count).tolist()]
     kept = np.flatnonzero(sound)
-    some = vectorized_values(term, labellings, repeated[kept], members[kept]) if len(kept) else ()
+    some = vectorized_values(term, labellings, repeated[kept], members[kept]).tolist()
     flat: list[float | None] = [None] * sound.size
     for k, value in zip(kept.tolist(), some, strict=True):
-        flat[k] = float(value)
+        flat[k] = value
     return [flat[k : k + count] for k in range(0, len(flat), count)]
 
 
@@ -288,6 +288,8 @@ def vectorized_values(
     term: BoundTerm, labellings: Labellings, rows: IntArray, members: IntArray
 ) -> FloatArray:
     """(k,) float: the values of calls of a vectorised term, of parts none of which is empty.
+
+    Where there are no calls, the objective is not asked.
 
     Parameters
     ----------
@@ -303,6 +305,8 @@ def vectorized_values(
     PluginError
         The objective raised, or returned something else than k numbers in its range.
     """
+    if not len(rows):
+        return np.empty(0)
     parts = members[:, 0] if term.arity == "unary" else members
     array = PartArray(_labellings=labellings.view(term.space), _rows=rows, _parts=parts)
     who = f"the vectorized form of objective '{term.id}' of {term.distribution}"
@@ -321,14 +325,15 @@ def vectorized_values(
     except FAULTS as error:
         raise PluginError(f"{who} failed in {where}: {describe(error)}; {REPORT}") from error
     try:
-        values = np.asarray(returned, dtype=np.float64)
-    except (TypeError, ValueError):
-        values = np.empty(0)
-    if values.shape != rows.shape:
+        given = np.asarray(returned)
+    except ValueError:  # rows of different lengths
+        given = np.empty(0)
+    if given.shape != rows.shape or given.dtype.kind not in "fiu":
         raise PluginError(
             f"{who} returned {described(returned)} in {where}; it must return an array of"
             f" {len(rows)} real numbers, one for each call; {REPORT}"
         )
+    values: FloatArray = given.astype(np.float64)
     low, high = term.objective.traits.range
     if not (np.isfinite(values) & (values >= low) & (values <= high)).all():
         values = np.array([_in_range(value, term, where) for value in values.tolist()])

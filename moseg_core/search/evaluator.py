@@ -234,6 +234,8 @@ class ProblemEvaluator:
             ).assign(self.constraints.groups)
             for row, known in enumerate(values)
         ]
+        if not orders:
+            return []
         candidates = _Candidates(self, labellings, np.arange(len(orders)), np.stack(orders))
         costs = self._exact(candidates)
         for vector, order, cost in zip(vectors, orders, costs, strict=True):

@@ -214,6 +214,7 @@ def test_a_batch_of_nothing():
     for best_only in (False, True):
         batch = Batch(vectors=np.empty((0, 1)), best_only=best_only)
         assert evaluator_of(problem, GROWING).costs(batch) == []
+    assert evaluator_of(problem, GROWING).labelled_costs(np.empty((0, 1))) == []
 
 
 def test_parts_seen_before_are_remembered_between_batches():
