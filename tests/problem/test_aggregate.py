@@ -17,7 +17,7 @@ from moseg_core.components.memo import Memo
 from moseg_core.components.objectives import objective
 from moseg_core.components.part import Part
 from moseg_core.components.segmentation import Segmentation
-from moseg_core.errors import PluginError
+from moseg_core.errors import PluginError, UsageError
 from moseg_core.problem.aggregate import CallValue, evaluate_segmentation
 from moseg_core.problem.problem import Problem
 from moseg_core.shape.shape import Shape
@@ -254,6 +254,100 @@ def test_rounding_beyond_the_range_is_clipped(value, expected):
     found = evaluate("odd(p0)", [0, 1] * 4, 2, returns(value))
     assert found.cost == Cost(0, expected)
     assert isinstance(found.terms[0].calls[0].value, float)
+
+
+def returns_many(values):
+    """An objective whose vectorised form returns something, or what that makes of its parts."""
+
+    @objective(range=(0, 1), vectorized=values if callable(values) else lambda parts: values)
+    def odd(part: Part) -> float:
+        raise AssertionError("where there is a vectorised form, that is asked")
+
+    return {"odd": odd}
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        (lambda parts: parts.areas / 0.0, "failed .* RuntimeWarning: .*test_aggregate.py"),
+        (
+            lambda parts: 1 / 0,
+            r"failed .* ZeroDivisionError: .* \(.*test_aggregate.py:\d+: .*1 / 0",
+        ),
+        (lambda: None, "failed .* TypeError: .*positional argument"),
+        (None, "returned None .* an array of 2 real numbers, one for each call"),
+        (0.5, "returned 0.5 .* an array of 2 real numbers"),
+        (np.ones(3), r"returned array.* of shape \(3,\) .* an array of 2 real numbers"),
+        (np.ones((2, 1)), r"of shape \(2, 1\) .* an array of 2 real numbers"),
+        ([[1.0], [0.5, 0.5]], "an array of 2 real numbers"),
+        (np.ones(2, complex), "an array of 2 real numbers"),
+        (np.ones(2, bool), "an array of 2 real numbers"),
+        (["0.5", "0.5"], "an array of 2 real numbers"),
+        (np.array([0.5, math.nan]), "returned nan .* must be finite"),
+        (np.array([math.inf, 0.5]), "returned inf"),
+        (np.array([0.5, 1.1]), "returned 1.1 .* it declares values from 0 to 1"),
+        (np.array([-0.001, 0.5]), "returned -0.001"),
+        (np.array([1.0 + 1e-8, 0.5]), "returned 1.00000001"),
+    ],
+)
+def test_a_vectorised_form_that_breaks_its_word_is_named(values, message):
+    with pytest.raises(PluginError, match=message) as caught:
+        evaluate("area(p0) + 2*odd(p*)", [0, 1] * 4, 2, {**ALL, **returns_many(values)})
+    text = str(caught.value)
+    for name in ("'python:odd'", "the calling program", "'odd(p*)'"):
+        assert name in text
+    assert "\n" not in text
+
+
+@pytest.mark.parametrize(
+    ("values", "expected"),
+    [
+        ([1.0 + 1e-10, -1e-10], [1.0, 0.0]),
+        (np.array([0.5, 0.25], np.float32), [0.5, 0.25]),
+        (np.array([1, 0], np.uint8), [1.0, 0.0]),
+    ],
+)
+def test_vectorised_values_beyond_the_range_by_rounding_are_clipped(values, expected):
+    found = evaluate("odd(p*)", [0, 1] * 4, 2, returns_many(values))
+    assert [call.value for call in found.terms[0].calls] == expected
+    assert all(type(call.value) is float for call in found.terms[0].calls)
+
+
+def shares(parts):
+    return (parts.areas / parts.shape.area).sum(axis=1)
+
+
+@objective(range=(0, 1), vectorized=shares)
+def share_of_all(parts: Sequence[Part]) -> float:
+    raise AssertionError("where there is a vectorised form, that is asked")
+
+
+@objective(range=(0, 1), vectorized=shares)
+def share_of_whole(segmentation: Segmentation) -> float:
+    raise AssertionError("where there is a vectorised form, that is asked")
+
+
+def test_vectorised_forms_receive_parts_of_each_call_and_none_that_is_empty():
+    objectives = {"two": share_of_all, "whole": share_of_whole}
+    text = "two(p2, p0) + two(p0, p1) + 4*whole"
+    found = evaluate(text, [0, 0, 0, 1, 1, 2, 2, 2], 3, objectives)
+    assert [[call.value for call in term.calls] for term in found.terms] == [[0.75], [0.625], [1.0]]
+    found = evaluate(text, [0, 0, 0, 0, 0, 2, 2, 2], 3, objectives)
+    assert found.cost == Cost(1, 1.0)
+    assert [[call.value for call in term.calls] for term in found.terms] == [[1.0], [None], [None]]
+
+
+def test_a_vectorised_form_is_not_asked_about_nothing():
+    found = evaluate("odd(p1)", [0] * 8, 2, returns_many(lambda parts: 1 / 0))
+    assert found.cost == Cost(1, 0.0)
+
+
+def test_an_error_of_its_parameters_is_told_with_the_term():
+    def refuse(parts):
+        raise UsageError("the bounds cross")
+
+    with pytest.raises(UsageError, match=r"in 'odd\(p\*\)': the bounds cross"):
+        evaluate("odd(p*)", [0, 1] * 4, 2, returns_many(refuse))
 
 
 def test_a_value_is_asked_for_once_for_the_same_parts_and_parameters():
