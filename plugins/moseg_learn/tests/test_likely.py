@@ -51,6 +51,17 @@ def test_mean_over_the_part(hammer, truth):
         assert likely(part, kind="head", among=moseg.Table(LOOKS)) == pytest.approx(mean)
 
 
+def test_a_problem_which_asks_the_vectorised_form_says_the_same(hammer, truth):
+    for level in (hammer, coarsen(hammer, 500)):
+        labels = np.arange(level.n_elements) % 2
+        found = problem("likely(head, handle, kind=head, among=looks)", {"looks": LOOKS})
+        values = [call.value for call in found.evaluate(level, labels).terms[0].calls]
+        parts = Segmentation.from_labels(level, labels, 2).parts
+        expected = [likely(part, kind="head", among=moseg.Table(LOOKS)) for part in parts]
+        assert values == pytest.approx(expected, rel=1e-12)
+        assert likely.traits.vectorized is not None
+
+
 def test_it_says_of_which_field_it_is_the_mean():
     term = problem("2*likely(head, kind=head, among=looks)", {"looks": LOOKS}).terms[0]
     given = {"kind": "head", "among": moseg.Table(LOOKS)}

@@ -8,9 +8,14 @@ surface keep a part from getting there.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any
+from typing import Annotated, Any, TypeAlias
 
-from moseg_core import Interval, Part, UsageError, objective
+import numpy as np
+import numpy.typing as npt
+
+from moseg_core import Interval, Part, PartArray, UsageError, objective
+
+FloatArray: TypeAlias = npt.NDArray[np.float64]
 
 
 def middle_share(given: Mapping[str, Any]) -> float | None:
@@ -27,10 +32,27 @@ def middle_share(given: Mapping[str, Any]) -> float | None:
     return (low + high) / 2 if 0 < high < 1 else None
 
 
+def all_beyond(parts: PartArray, *, min: float = 0.0, max: float = 1.0) -> FloatArray:
+    """:func:`area_fraction` of several parts, (k,) float."""
+    _check_bounds(min, max)
+    shares = parts.areas / parts.shape.area
+    return np.maximum(0.0, np.maximum(min - shares, shares - max))
+
+
+def _check_bounds(low: float, high: float) -> None:
+    """Refuse bounds that cross."""
+    if low > high:
+        raise UsageError(
+            f"'area_fraction' allows no share at all with min={low:g} and max={high:g};"
+            f" min must not be greater than max"
+        )
+
+
 @objective(
     range=(0, 1),
     invariant_to=("rigid", "scale", "reflection", "order", "tessellation"),
     share=middle_share,
+    vectorized=all_beyond,
 )
 def area_fraction(
     part: Part,
@@ -76,11 +98,7 @@ def area_fraction(
     >>> round(found.cost.value, 12)
     0.1
     """
-    if min > max:
-        raise UsageError(
-            f"'area_fraction' allows no share at all with min={min:g} and max={max:g};"
-            f" min must not be greater than max"
-        )
+    _check_bounds(min, max)
     share = part.area / part.shape.area
     if share < min:
         return float(min - share)

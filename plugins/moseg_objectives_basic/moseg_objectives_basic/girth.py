@@ -8,10 +8,41 @@ not depend on how long a part was cut.
 from __future__ import annotations
 
 import math
+from typing import TypeAlias
 
-from moseg_core import Part, Segmentation, objective
+import numpy as np
+import numpy.typing as npt
 
-_FIELD = "basic:thickness"
+from moseg_core import Part, PartArray, Segmentation, objective
+from moseg_objectives_basic.row_sums import row_sums
+
+FloatArray: TypeAlias = npt.NDArray[np.float64]
+
+_FIELD, _LOG = "basic:thickness", "basic:log_thickness"
+
+
+def all_thin(parts: PartArray) -> FloatArray:
+    """:func:`thin` of several parts, (k,) float."""
+    own = parts.field(_FIELD).mean
+    return own / (own + parts.field_of_shape(_FIELD))
+
+
+def all_thick(parts: PartArray) -> FloatArray:
+    """:func:`thick` of several parts, (k,) float."""
+    whole = parts.field_of_shape(_FIELD)
+    return whole / (parts.field(_FIELD).mean + whole)
+
+
+def all_even_thickness(parts: PartArray) -> FloatArray:
+    """:func:`even_thickness` of several parts, (k,) float."""
+    own = parts.field(_FIELD)
+    return own.spread / (own.spread + own.mean)
+
+
+def all_even_parts(segmentations: PartArray) -> FloatArray:
+    """:func:`even_parts` of several segmentations, (k,) float."""
+    spreads = segmentations.field(_LOG).spread
+    return row_sums(segmentations.areas * spreads * spreads) / segmentations.shape.area
 
 
 @objective(
@@ -19,6 +50,7 @@ _FIELD = "basic:thickness"
     requires=("surface",),
     invariant_to=("rigid", "scale", "reflection", "order", "tessellation"),
     fields=(_FIELD,),
+    vectorized=all_thin,
 )
 def thin(part: Part) -> float:
     """``t / (t + T)``: how thick the part is, beside the whole shape.
@@ -56,6 +88,7 @@ def thin(part: Part) -> float:
     requires=("surface",),
     invariant_to=("rigid", "scale", "reflection", "order", "tessellation"),
     fields=(_FIELD,),
+    vectorized=all_thick,
 )
 def thick(part: Part) -> float:
     """``T / (t + T)``: how thin the part is, beside the whole shape.
@@ -90,6 +123,7 @@ def thick(part: Part) -> float:
     requires=("surface",),
     invariant_to=("rigid", "scale", "reflection", "order", "tessellation"),
     fields=(_FIELD,),
+    vectorized=all_even_thickness,
 )
 def even_thickness(part: Part) -> float:
     """``d / (d + t)``: how much the thickness varies over the part.
@@ -127,7 +161,8 @@ def even_thickness(part: Part) -> float:
     requires=("surface",),
     # Squares of deviations: other triangles change them by 9 % on the lump of the contract checks.
     invariant_to=("rigid", "scale", "reflection", "order", "labels"),
-    fields=("basic:log_thickness",),
+    fields=(_LOG,),
+    vectorized=all_even_parts,
 )
 def even_parts(segmentation: Segmentation) -> float:
     """``sum_i a_i v_i``: how much the thickness varies within parts, over all of them.
@@ -160,7 +195,7 @@ def even_parts(segmentation: Segmentation) -> float:
     >>> bool(parts.cost.value < whole.cost.value / 5)
     True
     """
-    summaries = segmentation.fields("basic:log_thickness")
+    summaries = segmentation.fields(_LOG)
     weighted = (
         part.area * summary.spread**2
         for part, summary in zip(segmentation.parts, summaries, strict=True)

@@ -6,9 +6,26 @@ is remote however the arm is bent. A torso is central, and heads, hands and feet
 
 from __future__ import annotations
 
-from moseg_core import Part, objective
+from typing import TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from moseg_core import Part, PartArray, objective
+
+FloatArray: TypeAlias = npt.NDArray[np.float64]
 
 _FIELD = "basic:remoteness"
+
+
+def all_central(parts: PartArray) -> FloatArray:
+    """:func:`central` of several parts, (k,) float."""
+    return np.maximum(0.0, 1.0 - 1.0 / parts.field(_FIELD).mean)
+
+
+def all_remote(parts: PartArray) -> FloatArray:
+    """:func:`remote` of several parts, (k,) float."""
+    return np.minimum(1.0, 1.0 / parts.field(_FIELD).mean)
 
 
 @objective(
@@ -16,6 +33,7 @@ _FIELD = "basic:remoteness"
     requires=("adjacency",),
     invariant_to=("rigid", "scale", "reflection", "order"),
     fields=(_FIELD,),
+    vectorized=all_central,
 )
 def central(part: Part) -> float:
     """``1 - 1 / r``: how far the part is from the middle.
@@ -51,6 +69,7 @@ def central(part: Part) -> float:
     requires=("adjacency",),
     invariant_to=("rigid", "scale", "reflection", "order"),
     fields=(_FIELD,),
+    vectorized=all_remote,
 )
 def remote(part: Part) -> float:
     """``1 / r``: how near to the middle the part is.

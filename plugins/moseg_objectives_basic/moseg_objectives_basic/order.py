@@ -2,12 +2,31 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, TypeAlias
 
-from moseg_core import Interval, Part, objective
+import numpy as np
+import numpy.typing as npt
+
+from moseg_core import Interval, Part, PartArray, objective
+
+FloatArray: TypeAlias = npt.NDArray[np.float64]
+
+_FIELD = "basic:height"
 
 
-@objective(range=(0, 1), invariant_to=("scale", "order", "tessellation"), fields=("basic:height",))
+def all_above(pairs: PartArray, *, up: str = "z", margin: float = 0.1) -> FloatArray:
+    """:func:`above` for several pairs of parts, (k,) float."""
+    heights = pairs.field(_FIELD, up=up).mean
+    higher = heights[:, 0] - heights[:, 1]
+    return np.minimum(1.0, np.maximum(0.0, margin - higher) / (1.0 + margin))
+
+
+@objective(
+    range=(0, 1),
+    invariant_to=("scale", "order", "tessellation"),
+    fields=(_FIELD,),
+    vectorized=all_above,
+)
 def above(
     first: Part, second: Part, *, up: str = "z", margin: Annotated[float, Interval(0, 1)] = 0.1
 ) -> float:
@@ -37,5 +56,5 @@ def above(
     >>> [round(term.value, 4) for term in problem.evaluate(stairs, [0, 1]).terms]
     [0.0, 0.5455]
     """
-    higher = first.field("basic:height", up=up).mean - second.field("basic:height", up=up).mean
+    higher = first.field(_FIELD, up=up).mean - second.field(_FIELD, up=up).mean
     return min(1.0, max(0.0, margin - higher) / (1.0 + margin))

@@ -4,8 +4,8 @@
 (:mod:`moseg_objectives_basic.likeness`) compares with targets. Of many parts of one name, the mean
 and spread of each measure are a profile, and so the parameters of an ``is`` for the next part.
 
-Each measure is computed in one place, :func:`moseg_objectives_basic.likeness.measured`, so that a
-measure and its target cannot come apart.
+Each measure is computed by :func:`moseg_objectives_basic.likeness.measured`, as for ``is``, so that
+a measure and its target cannot come apart.
 """
 
 from __future__ import annotations

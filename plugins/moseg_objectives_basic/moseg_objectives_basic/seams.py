@@ -17,16 +17,48 @@ import numpy.typing as npt
 
 from moseg_core import Part, PartArray, Segmentation, objective
 from moseg_objectives_basic.fields.concavity import CHEAP, DEAR
+from moseg_objectives_basic.row_sums import row_sums
 
 FloatArray: TypeAlias = npt.NDArray[np.float64]
 
 _UNCREASED = "basic:uncreased"
 
 
+def all_short_boundary(parts: PartArray) -> FloatArray:
+    """:func:`short_boundary` of several parts, (k,) float."""
+    lengths, areas = parts.boundary_lengths, parts.areas
+    if parts.shape.solid:
+        return lengths / (lengths + np.cbrt(36.0 * math.pi * areas * areas))
+    return lengths / (lengths + np.sqrt(4.0 * math.pi * areas))
+
+
+def all_short_boundaries(segmentations: PartArray) -> FloatArray:
+    """:func:`short_boundaries` of several segmentations, (k,) float."""
+    shape = segmentations.shape
+    unit = shape.box_diagonal**2 if shape.solid else shape.box_diagonal
+    return row_sums(segmentations.boundary_lengths) / 2.0 / unit  # each is that of two parts
+
+
+def all_creased_boundary(parts: PartArray) -> FloatArray:
+    """:func:`creased_boundary` of several parts, (k,) float; of parts of segmentations (k, n)."""
+    means = np.where(parts.boundary_lengths > 0, parts.boundary_means(_UNCREASED), 0.0)
+    return np.clip(means, 0.0, 1.0)
+
+
+def all_creased_boundaries(segmentations: PartArray) -> FloatArray:
+    """:func:`creased_boundaries` of several segmentations, (k,) float."""
+    lengths = segmentations.boundary_lengths
+    total = row_sums(lengths * all_creased_boundary(segmentations))
+    whole = row_sums(lengths)
+    means: FloatArray = np.divide(total, whole, out=np.zeros_like(whole), where=whole > 0)
+    return means
+
+
 @objective(
     range=(0, 1),
     requires=("adjacency",),
     invariant_to=("rigid", "scale", "reflection", "order", "tessellation"),
+    vectorized=all_short_boundary,
 )
 def short_boundary(part: Part) -> float:
     """``L / (L + sqrt(4 pi A))``: how long the part's boundary is, for its area.
@@ -66,6 +98,7 @@ def short_boundary(part: Part) -> float:
     range=(0, math.inf),
     requires=("adjacency",),
     invariant_to=("rigid", "scale", "reflection", "order", "tessellation", "labels"),
+    vectorized=all_short_boundaries,
 )
 def short_boundaries(segmentation: Segmentation) -> float:
     """``L / d``: how long all boundaries are together, in diagonals of the shape.
@@ -102,6 +135,7 @@ def short_boundaries(segmentation: Segmentation) -> float:
     requires=("surface", "adjacency"),
     invariant_to=("rigid", "scale", "reflection", "order"),
     fields=(_UNCREASED,),
+    vectorized=all_creased_boundary,
 )
 def creased_boundary(part: Part) -> float:
     """``mean (clip(1 - c, 0.15, 1.5) - 0.15) / 1.35``: how little of the boundary lies in creases.
@@ -141,6 +175,7 @@ def creased_boundary(part: Part) -> float:
     requires=("surface", "adjacency"),
     invariant_to=("rigid", "scale", "reflection", "order", "labels"),
     fields=(_UNCREASED,),
+    vectorized=all_creased_boundaries,
 )
 def creased_boundaries(segmentation: Segmentation) -> float:
     """``mean (clip(1 - c, 0.15, 1.5) - 0.15) / 1.35``: how little of all boundaries is in creases.
@@ -185,9 +220,7 @@ def all_separate(parts: PartArray) -> FloatArray:
 def all_separate_parts(segmentations: PartArray) -> FloatArray:
     """:func:`separate_parts` of several segmentations, (k,) float."""
     values = all_separate(segmentations)
-    sums = np.array([math.fsum(row) for row in values.tolist()], np.float64)
-    means: FloatArray = sums / values.shape[1]
-    return means
+    return row_sums(values) / values.shape[1]
 
 
 @objective(

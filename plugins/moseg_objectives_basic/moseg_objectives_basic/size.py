@@ -6,10 +6,31 @@ They lead steadily to less, or more, of the surface; what says when it is enough
 
 from __future__ import annotations
 
-from moseg_core import Part, objective
+from typing import TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from moseg_core import Part, PartArray, objective
+
+FloatArray: TypeAlias = npt.NDArray[np.float64]
 
 
-@objective(range=(0, 1), invariant_to=("rigid", "scale", "reflection", "order", "tessellation"))
+def all_small(parts: PartArray) -> FloatArray:
+    """:func:`small` of several parts, (k,) float."""
+    return np.minimum(1.0, parts.areas / parts.shape.area)
+
+
+def all_large(parts: PartArray) -> FloatArray:
+    """:func:`large` of several parts, (k,) float."""
+    return np.maximum(0.0, 1.0 - parts.areas / parts.shape.area)
+
+
+@objective(
+    range=(0, 1),
+    invariant_to=("rigid", "scale", "reflection", "order", "tessellation"),
+    vectorized=all_small,
+)
 def small(part: Part) -> float:
     """``A / A_all``: the part's share of the area.
 
@@ -37,7 +58,11 @@ def small(part: Part) -> float:
     return min(1.0, part.area / part.shape.area)
 
 
-@objective(range=(0, 1), invariant_to=("rigid", "scale", "reflection", "order", "tessellation"))
+@objective(
+    range=(0, 1),
+    invariant_to=("rigid", "scale", "reflection", "order", "tessellation"),
+    vectorized=all_large,
+)
 def large(part: Part) -> float:
     """``1 - A / A_all``: the rest's share of the area.
 

@@ -68,7 +68,7 @@ def test_bounds_the_wrong_way_round(make, eighth):
     with pytest.raises(UsageError, match=r"min=0\.6 and max=0\.5"):
         area_fraction(whole, min=0.6, max=0.5)
     # Defaults count: nothing is above 1 or below 0.
-    with pytest.raises(UsageError, match=r"area_fraction.* a: .*min=0\.6 and max=0\.5"):
+    with pytest.raises(UsageError, match=r"area_fraction.*: .*min=0\.6 and max=0\.5"):
         Problem(["a", "b"], "area_fraction(a, min=0.6, max=0.5)").evaluate(*eighth)
 
 
