@@ -220,7 +220,8 @@ def all_separate(parts: PartArray) -> FloatArray:
 def all_separate_parts(segmentations: PartArray) -> FloatArray:
     """:func:`separate_parts` of several segmentations, (k,) float."""
     values = all_separate(segmentations)
-    return row_sums(values) / values.shape[1]
+    means: FloatArray = row_sums(values) / values.shape[1]
+    return means
 
 
 @objective(
