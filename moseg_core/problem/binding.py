@@ -78,7 +78,7 @@ class BoundTerm:
         """0 for cheap objectives, up to 2 for expensive ones."""
         return COST_ORDER[self.objective.traits.cost]
 
-    @cached_property
+    @property  # not kept: a function without a name could not be pickled with the term
     def vectorized(self) -> Vectorized | None:
         """The objective's vectorised form, where it has one."""
         return self.objective.traits.vectorized

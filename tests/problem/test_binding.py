@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 import sys
 import types
 from collections.abc import Sequence
@@ -31,6 +32,11 @@ def thin(
     power: Annotated[float, Interval(1, 4)] = 2.0,
     count: Annotated[int, Interval(1)] = 1,
 ) -> float:
+    return 0.0
+
+
+@objective(range=(0, 1), vectorized=lambda parts: 0.0 * parts.areas)
+def nothing(part: Part) -> float:
     return 0.0
 
 
@@ -719,3 +725,11 @@ def test_fields_may_refuse_the_parameters_of_the_call():
 
     with pytest.raises(UsageError, match=r"in 'read\(head\)': there is no 'thicknes'"):
         _ = term_that_reads(named, "read(head)").fields
+
+
+def test_a_term_can_be_pickled_after_its_vectorised_form_was_looked_at():
+    (term,) = bind(parse("nothing(head)"), LABELS, {"nothing": nothing}, Registry(()))
+    assert term.vectorized is nothing.traits.vectorized
+    assert pickle.loads(pickle.dumps(term)).vectorized is nothing.traits.vectorized
+    (term,) = bind(parse("thin(head)"), LABELS, {"thin": thin}, Registry(()))
+    assert term.vectorized is None
