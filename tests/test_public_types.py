@@ -26,6 +26,7 @@ NEED_NO_NAME = {
     "Expression": "what text was read into: a caller writes the text",
     "FunctionConstraint": "what the decorator makes: a Constraint",
     "FunctionObjective": "what the decorator makes: an Objective",
+    "Labellings": "where an array of parts reads: made and read within the core",
     "Lookup": "how a part finds measures and fields: given by the core",
     "Memo": "the values that a run remembers: given by the core",
     "OptionValues": "the arguments of `segment` as a TypedDict: for `**options` alone",
