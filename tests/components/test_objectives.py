@@ -131,6 +131,16 @@ def test_an_objective_may_say_which_field_it_is_the_mean_of():
         objective(mean_of=size_of)(two._function)
 
 
+def test_an_objective_may_have_a_vectorised_form():
+    def sizes(parts):
+        return parts.areas
+
+    assert one.traits.vectorized is None
+    assert objective(range=(0, 9), vectorized=sizes)(size).traits.vectorized is sizes
+    with pytest.raises(ValueError, match="vectorized form is a function, not 'sizes'"):
+        objective(vectorized="sizes")
+
+
 @pytest.mark.parametrize(
     "field", ["a:b", ("a:b",), ("a:b", {}, {}), ["a:b", {}], ("a:b", None), (1, {}), True]
 )
