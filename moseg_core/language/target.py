@@ -192,9 +192,12 @@ class Target:
         import numpy as np
 
         self._require_positive()
-        # A value of 0 or less counts as the least ratio.
-        ratios = np.maximum(np.asarray(values, np.float64), sys.float_info.min)
-        off = np.maximum(np.log(ratios) - self._log_value, _LEAST_LOG_RATIO)
+        given = np.asarray(values, np.float64)
+        positive = np.where(given <= 0, 1.0, given)
+        # Python's logarithm, which in three of a thousand rounds otherwise than numpy's: as alone.
+        logs = np.array([*map(math.log, positive.ravel().tolist())], np.float64)
+        off = np.maximum(logs.reshape(given.shape) - self._log_value, _LEAST_LOG_RATIO)
+        off = np.where(given <= 0, _LEAST_LOG_RATIO, off)
         return _hubers(off / self._log_spread)
 
     def _require_positive(self) -> None:

@@ -141,6 +141,7 @@ def test_not_a_number_stays_what_it_is():
 
 
 @given(ANY, ANY_POSITIVE, st.lists(st.one_of(ANY, NUMBERS, POSITIVE), max_size=6))
+@example(5e-324, 5e-324, [0.0])
 def test_costs_of_several_values_are_those_of_each(value, spread, measured):
     with np.errstate(over="ignore"):  # as far off as can be
         for target, alone, together in (
@@ -148,16 +149,13 @@ def test_costs_of_several_values_are_those_of_each(value, spread, measured):
             (Target(abs(value) or 1.0, spread), Target.ratio_cost, Target.ratio_costs),
         ):
             found = together(target, measured)
-            assert found.tolist() == pytest.approx([alone(target, x) for x in measured], rel=1e-12)
-            for k in range(len(measured)):  # to the last bit, whatever stands beside it
-                assert together(target, measured[k:])[0] == found[k]
+            assert found.tolist() == [alone(target, x) for x in measured]  # to the last bit
 
 
 def test_costs_of_several_values_that_are_no_numbers_or_not_positive():
     target = Target(0.1, 0.1)
-    assert target.ratio_costs([0.0, -1.0, 1e-9]).tolist() == pytest.approx(
-        [target.ratio_cost(x) for x in (0.0, -1.0, 1e-9)], rel=1e-15
-    )
+    values = [0.0, -1.0, 1e-9, math.inf]
+    assert target.ratio_costs(values).tolist() == [target.ratio_cost(x) for x in values]
     for costs in (target.costs, target.ratio_costs):
         assert np.isnan(costs([0.1, math.nan])).tolist() == [False, True]
         assert costs([]).shape == (0,)

@@ -13,13 +13,14 @@ and spread of each measure.
 from __future__ import annotations
 
 import math
-from collections.abc import Container, Mapping
+from collections.abc import Callable, Container, Mapping
 from typing import Annotated, Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from moseg_core import Detail, Interval, Part, PartArray, Target, objective
+from moseg_objectives_basic.row_sums import row_sums
 
 FloatArray: TypeAlias = npt.NDArray[np.float64]
 
@@ -165,17 +166,17 @@ def measured_of_all(parts: PartArray, names: Container[str]) -> dict[str, FloatA
     """
     found: dict[str, FloatArray] = {}
     shape, areas = parts.shape, parts.areas
-    size = np.cbrt(areas) if shape.solid else np.sqrt(areas)
+    size = _each(math.cbrt, areas) if shape.solid else np.sqrt(areas)
     if "area" in names:
         found["area"] = areas / shape.area
     if "length" in names or "width" in names or "depth" in names or "spread" in names:
         s1, s2, s3 = np.ascontiguousarray(parts.scales.T)
         unit = _EXTENT / shape.box_diagonal
         found["length"], found["width"], found["depth"] = s1 * unit, s2 * unit, s3 * unit
-        found["spread"] = np.sqrt(s1 * s1 + s2 * s2 + s3 * s3) / size
+        found["spread"] = _each(math.hypot, s1, s2, s3) / size
     if "offcenter" in names:
-        x, y, z = np.ascontiguousarray((parts.centroids - shape.centroid).T)
-        found["offcenter"] = np.sqrt(x * x + y * y + z * z) / shape.box_diagonal
+        away = _each(math.hypot, *(parts.centroids - shape.centroid).T)
+        found["offcenter"] = away / shape.box_diagonal
     if "thickness" in names or "unevenness" in names:
         thickness = parts.field(_THICKNESS)
         found["thickness"] = thickness.mean
@@ -192,14 +193,20 @@ def measured_of_all(parts: PartArray, names: Container[str]) -> dict[str, FloatA
     return found
 
 
+def _each(function: Callable[..., float], *values: FloatArray) -> FloatArray:
+    """(k,) float: Python's function of each value, which rounds otherwise than numpy's."""
+    return np.array([*map(function, *(column.tolist() for column in values))], np.float64)
+
+
 def all_off(parts: PartArray, **given: Target | None) -> FloatArray:
     """:func:`is_` of several parts, (k,) float."""
     asked = {name: target for name, target in given.items() if target is not None}
-    values, total = measured_of_all(parts, asked), np.zeros(len(parts))
-    for name, target in asked.items():
-        off = target.ratio_costs if name in BY_RATIO else target.costs
-        total += off(values[name])
-    return total / max(1, len(asked))
+    values = measured_of_all(parts, asked)
+    off = [
+        target.ratio_costs(values[name]) if name in BY_RATIO else target.costs(values[name])
+        for name, target in asked.items()
+    ]
+    return row_sums(np.column_stack(off)) / len(off) if off else np.zeros(len(parts))
 
 
 @objective(

@@ -28,7 +28,7 @@ def all_short_boundary(parts: PartArray) -> FloatArray:
     """:func:`short_boundary` of several parts, (k,) float."""
     lengths, areas = parts.boundary_lengths, parts.areas
     if parts.shape.solid:
-        return lengths / (lengths + np.cbrt(36.0 * math.pi * areas * areas))
+        return lengths / (lengths + np.cbrt(36.0 * math.pi * areas**2))
     return lengths / (lengths + np.sqrt(4.0 * math.pi * areas))
 
 

@@ -27,6 +27,9 @@ VECTORIZED = {
 OF_SURFACES = {"thickness", "unevenness", "crease"}
 """Parameters that read fields which a solid of cells does not have."""
 
+ROUNDED = {"short_boundary", "short_boundaries", "creased_boundaries"}
+"""Those that add up in another order, or take numpy's roots; all others agree to the last bit."""
+
 CALLS = {"unary": "*", "nary": "c, a", "global": ""}
 
 
@@ -67,4 +70,7 @@ def test_a_vectorised_form_says_what_the_objective_says(levels, data):
         term = Problem(["a", "b", "c"], text).evaluate(level, labels).terms[0]
         expected = [objective(subject, **given) for subject in given_to[traits.arity]]
         values = [call.value for call in term.calls]
-        assert values == pytest.approx(expected, rel=1e-12, abs=1e-15), name
+        if name in ROUNDED:
+            assert values == pytest.approx(expected, rel=1e-12, abs=1e-15), name
+        else:
+            assert values == expected, name
