@@ -196,7 +196,7 @@ class Labellings:
         return np.zeros(shape, np.bool_), np.empty((*shape, 3)), np.empty((*shape, 3, 3))
 
     def axes(self, wanted: BoolArray) -> tuple[FloatArray, FloatArray]:
-        """(B, n, 3) scales, descending, and (B, n, 3, 3) axes as rows in their order.
+        """(B, n, 3) scales, descending, and (B, n, 3, 3) axes as rows in their order, not signed.
 
         Parameters
         ----------
@@ -248,8 +248,7 @@ class Labellings:
 def _principal_axes(moments: FloatArray) -> tuple[FloatArray, FloatArray]:
     """(k, 3) scales, descending, and (k, 3, 3) axes as rows, from (k, 10) moments.
 
-    Scales are square roots of the eigenvalues of the covariance. Of each axis the largest
-    component is positive.
+    Scales are square roots of the eigenvalues of the covariance.
     """
     mean = moments[:, 1:4] / moments[:, :1]
     second = moments[:, 4:10] / moments[:, :1]
@@ -257,6 +256,11 @@ def _principal_axes(moments: FloatArray) -> tuple[FloatArray, FloatArray]:
     values, vectors = np.linalg.eigh(square - mean[:, :, None] * mean[:, None, :])
     # What the subtraction leaves of a flat part's thickness is rounding, not thickness.
     values[values < 1e-14 * (second[:, 0] + second[:, 3] + second[:, 5])[:, None]] = 0.0
-    axes = vectors.transpose(0, 2, 1)[:, ::-1]
-    largest = np.abs(axes).argmax(axis=2)[:, :, None]
-    return np.sqrt(values[:, ::-1]), axes * np.sign(np.take_along_axis(axes, largest, axis=2))
+    return np.sqrt(values[:, ::-1]), vectors.transpose(0, 2, 1)[:, ::-1]
+
+
+def signed(axes: FloatArray) -> FloatArray:
+    """(..., 3, 3) float: axes as rows, turned so that the largest component of each is positive."""
+    largest = np.abs(axes).argmax(axis=-1)[..., None]
+    turned: FloatArray = axes * np.sign(np.take_along_axis(axes, largest, axis=-1))
+    return turned

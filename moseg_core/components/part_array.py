@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 
 from moseg_core.components.field import FieldSummary, field_sums
-from moseg_core.components.labellings import Labellings
+from moseg_core.components.labellings import Labellings, signed
 from moseg_core.shape.shape import Shape
 from moseg_core.types import BoolArray, FloatArray, IntArray, frozen
 
@@ -114,7 +114,7 @@ class PartArray:
     @cached_property
     def axes(self) -> FloatArray:
         """(k, 3, 3) float: unit vectors as rows, see :attr:`Part.axes`."""
-        return frozen(self._labellings.axes(self._wanted)[1][self._at])
+        return frozen(signed(self._labellings.axes(self._wanted)[1][self._at]))
 
     def field(self, name: str, **parameters: Any) -> FieldSummary[FloatArray]:
         """A field over each part: mean, spread, least and greatest value, (k,) float each.

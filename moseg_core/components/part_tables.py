@@ -18,7 +18,7 @@ import numpy as np
 
 from moseg_core.components.boundary import Boundaries, Boundary
 from moseg_core.components.field import FieldSummary, field_sums
-from moseg_core.components.labellings import Labellings
+from moseg_core.components.labellings import Labellings, signed
 from moseg_core.errors import MosegError
 from moseg_core.types import BoolArray, FloatArray, frozen
 
@@ -40,6 +40,7 @@ class PartTables:
         self._made = made
         self._fields: dict[Hashable, dict[int, FieldSummary[float]]] = {}
         self._eigen: dict[int, tuple[FloatArray, FloatArray]] = {}
+        self._axes: dict[int, FloatArray] = {}
 
     def field(self, name: str, parameters: dict[str, Any], part: int) -> FieldSummary[float]:
         """A field's summary over a part."""
@@ -70,12 +71,12 @@ class PartTables:
         return [k for k in range(len(self._moments)) if k not in known]
 
     def _principal(self, part: int) -> tuple[FloatArray, FloatArray]:
-        """Scales and axes of a part that has an area."""
+        """Scales and axes, not signed, of a part that has an area."""
         if part not in self._eigen:
             missing = [k for k in self._missing(self._eigen, part) if self._moments[k, 0] > 0]
             scales, axes = self._labellings.axes(self._mask(missing))
             for k in missing:
-                self._eigen[k] = frozen(scales[0, k].copy()), frozen(axes[0, k].copy())
+                self._eigen[k] = frozen(scales[0, k].copy()), axes[0, k]
         return self._eigen[part]
 
     def centroid(self, part: int) -> FloatArray:
@@ -89,7 +90,9 @@ class PartTables:
 
     def axes(self, part: int) -> FloatArray:
         """(3, 3) float: the axes of a part that has an area, in the order of the scales."""
-        return self._principal(part)[1]
+        if part not in self._axes:
+            self._axes[part] = frozen(signed(self._principal(part)[1]))
+        return self._axes[part]
 
     def mean_of_all(self, name: str, parameters: dict[str, Any]) -> float:
         """A field's mean over the whole shape."""
