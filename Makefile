@@ -45,7 +45,6 @@ format: $(STAMP)
 
 benchmark: $(STAMP)
 	$(BIN)/python benchmarks/speed.py
-	$(BIN)/python benchmarks/stages.py
 
 # Needs uv. No lock file: those name the host that the packages came from.
 constraints:

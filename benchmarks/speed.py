@@ -24,25 +24,25 @@ import platform
 import subprocess
 import sys
 import tempfile
+from collections.abc import Sequence
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 import moseg_core as moseg
 
-sys.path.insert(0, str(Path(__file__).parent))
 from speed_jobs import JOBS
-from speed_jobs.records import Record, Request
+from speed_jobs.records import Job, Record, Request
 
 PACKAGES = ("moseg-core", "numpy", "scipy", "numba", "manifold3d")
 
 
-def main() -> None:
+def main(arguments: Sequence[str] | None = None) -> None:
     """Run the jobs that are asked for, and print and write what they found."""
-    asked = read_arguments()
+    asked = read_arguments(arguments)
     if asked.list:
         for name, job in JOBS.items():
-            print(f"{name:12s}{(job.__doc__ or '').splitlines()[0]}")
+            print(f"{name:12s}{summary(job)}")
         return
     mesh = asked.mesh or moseg.sample_path("horse")
     records: list[Record] = []
@@ -51,7 +51,7 @@ def main() -> None:
             request = Request(
                 mesh=mesh, folder=Path(folder), repeat=asked.repeat, peers=asked.peers
             )
-            print(f"\n{name}: {(JOBS[name].__doc__ or '').splitlines()[0]}")
+            print(f"\n{name}: {summary(JOBS[name])}")
             for record in JOBS[name](request):
                 print(line(record), flush=True)
                 records.append(record)
@@ -59,7 +59,12 @@ def main() -> None:
                     write(asked.json, mesh, asked.repeat, records)
 
 
-def read_arguments() -> argparse.Namespace:
+def summary(job: Job) -> str:
+    """What a job measures, in a line."""
+    return (job.__doc__ or "").splitlines()[0]
+
+
+def read_arguments(arguments: Sequence[str] | None) -> argparse.Namespace:
     """The options of the command line."""
     parser = argparse.ArgumentParser(description="Measure how fast moseg is, by job.")
     parser.add_argument("mesh", nargs="?", type=Path, help="the sample horse by default")
@@ -68,7 +73,7 @@ def read_arguments() -> argparse.Namespace:
     parser.add_argument("--only", nargs="+", choices=JOBS, metavar="JOB", help="see --list")
     parser.add_argument("--peers", metavar="PYTHON", help="an interpreter with other programs")
     parser.add_argument("--list", action="store_true", help="print the jobs and what they measure")
-    asked = parser.parse_args()
+    asked = parser.parse_args(arguments)
     if asked.repeat < 1:
         parser.error("--repeat is 1 or more")
     return asked
@@ -87,6 +92,7 @@ def write(path: Path, mesh: Path, repeat: int, records: list[Record]) -> None:
         "machine": machine(),
         "mesh": {"name": mesh.stem, "elements": moseg.load(mesh).n_elements},
         "repeat": repeat,
+        "jobs": {name: summary(JOBS[name]) for name in dict.fromkeys(r.job for r in records)},
         "records": [record.document() for record in records],
     }
     path.write_text(json.dumps(document, indent=1) + "\n")

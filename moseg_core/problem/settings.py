@@ -4,9 +4,9 @@ A recipe may say how its problem is solved, a :class:`Method`, with some of it l
 :class:`SearchOptions` say the same, and what belongs to one run besides.
 :meth:`SearchOptions.settled` puts the two together, once, and fills in the rest by the *settings*:
 ``paper`` is the method as published, ``default`` what measurements on horses and hammers recommend
-(``benchmarks/stages.py``). Parameters for ``default`` a component names itself (``presets`` in
-:mod:`moseg_core.components.protocols`). All that comes after (:mod:`moseg_core.search`) reads the
-settled options and decides nothing of this again.
+(``benchmarks/speed_jobs/stages.py``). Parameters for ``default`` a component names itself
+(``presets`` in :mod:`moseg_core.components.protocols`). All that comes after
+(:mod:`moseg_core.search`) reads the settled options and decides nothing of this again.
 """
 
 from __future__ import annotations

@@ -7,8 +7,8 @@ plane up to rounding (https://github.com/elalish/manifold/issues/1785). It diffe
 enough for the many parts of super-elements that a search tries. A cost that is reported is one of
 the input's own elements, and comes from Qhull.
 
-:mod:`moseg_objectives_basic.convexity` measures parts with it; ``benchmarks/hulls.py`` compares the
-two.
+:mod:`moseg_objectives_basic.convexity` measures parts with it; ``benchmarks/speed_jobs/hulls.py``
+compares the two.
 """
 
 from __future__ import annotations
