@@ -22,17 +22,16 @@ import json
 import os
 import platform
 import subprocess
-import sys
 import tempfile
 from collections.abc import Sequence
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-import moseg_core as moseg
-
 from speed_jobs import JOBS
 from speed_jobs.records import Job, Record, Request
+
+import moseg_core as moseg
 
 PACKAGES = ("moseg-core", "numpy", "scipy", "numba", "manifold3d")
 
@@ -44,19 +43,26 @@ def main(arguments: Sequence[str] | None = None) -> None:
         for name, job in JOBS.items():
             print(f"{name:12s}{summary(job)}")
         return
-    mesh = asked.mesh or moseg.sample_path("horse")
-    records: list[Record] = []
+    mesh, failed = asked.mesh or moseg.sample_path("horse"), []
+    found = document(mesh, asked.repeat)
     for name in asked.only or JOBS:
+        found["jobs"][name] = summary(JOBS[name])
+        print(f"\n{name}: {summary(JOBS[name])}", flush=True)
         with tempfile.TemporaryDirectory() as folder:
             request = Request(
                 mesh=mesh, folder=Path(folder), repeat=asked.repeat, peers=asked.peers
             )
-            print(f"\n{name}: {summary(JOBS[name])}")
-            for record in JOBS[name](request):
-                print(line(record), flush=True)
-                records.append(record)
-                if asked.json:
-                    write(asked.json, mesh, asked.repeat, records)
+            try:
+                for record in JOBS[name](request):
+                    print(line(record), flush=True)
+                    found["records"].append(record.document())
+                    if asked.json:  # each time, for a run that is ended early
+                        asked.json.write_text(json.dumps(found, indent=1) + "\n")
+            except (RuntimeError, AssertionError, moseg.MosegError) as error:
+                print(f"  failed: {error}", flush=True)  # the other jobs may well be all right
+                failed.append(name)
+    if failed:
+        sys.exit(f"failed: {', '.join(failed)}")
 
 
 def summary(job: Job) -> str:
@@ -86,16 +92,15 @@ def line(record: Record) -> str:
     return f"  {record.what:64s}{record.median:10.4g} {record.unit}{spread}"
 
 
-def write(path: Path, mesh: Path, repeat: int, records: list[Record]) -> None:
-    """Write all records so far: a run that is ended early has left what it has found."""
-    document = {
+def document(mesh: Path, repeat: int) -> dict[str, Any]:
+    """What is known before anything is measured."""
+    return {
         "machine": machine(),
         "mesh": {"name": mesh.stem, "elements": moseg.load(mesh).n_elements},
         "repeat": repeat,
-        "jobs": {name: summary(JOBS[name]) for name in dict.fromkeys(r.job for r in records)},
-        "records": [record.document() for record in records],
+        "jobs": {},
+        "records": [],
     }
-    path.write_text(json.dumps(document, indent=1) + "\n")
 
 
 def machine() -> dict[str, Any]:

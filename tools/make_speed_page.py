@@ -55,13 +55,7 @@ written it down.
 
 {measured}
 
-How to read it: timings depend on the machine, and on what else it does. On the same machine the
-same run may well take a fifth longer an hour later. So {figures}; what is compared was measured in
-turn, and ratios are what to take along to another machine. Seconds are by the clock and of whole processes unless said
-otherwise: from the start of the interpreter to its end, reading and writing included. Memory is the
-most that a process, or all of a run's together, had at a time. Where "one process" is said, the run
-was told `--workers 1` and its stages are those of `moseg segment --profile`; elsewhere a run has as
-many processes as there are processors.
+{reading}
 
 To measure again, on a quiet machine, with CoACD, V-HACD and MeshLib in an interpreter of their own:
 
@@ -69,6 +63,16 @@ To measure again, on a quiet machine, with CoACD, V-HACD and MeshLib in an inter
 python benchmarks/speed.py MESH --peers PYTHON --json first.json
 python tools/make_speed_page.py first.json
 ```
+"""
+
+READING = """\
+How to read it: timings depend on the machine, and on what else it does. On the same machine the
+same run may well take a fifth longer an hour later. So {figures}; what is compared was measured in
+turn, and ratios are what to take along to another machine. Seconds are by the clock and of whole
+processes unless said otherwise: from the start of the interpreter to its end, reading and writing
+included. Memory is the most that a process, or all of a run's together, had at a time. Where "one
+process" is said, the run was told `--workers 1` and its stages are those of `moseg segment
+--profile`; elsewhere a run has as many processes as there are processors.
 """
 
 MEDIANS = "Medians; where there are two, of the first run and of the second.\n"
@@ -93,12 +97,15 @@ def page(runs: Sequence[Run]) -> str:
         heads = ["first run", "second run"]
     text = [
         INTRODUCTION.format(
-            measured=textwrap.fill(_measured(runs[0]), 100), figures=_figures(runs)
+            measured=textwrap.fill(_measured(runs[0]), 100),
+            reading=textwrap.fill(READING.format(figures=_figures(runs)), 100),
         ),
         "## In short\n",
         _table(["", *heads], _headlines(runs)),
     ]
     for job, summary in runs[0]["jobs"].items():
+        if not _of(runs[0], job):
+            continue
         text.append(f"## {job}\n\n{summary}\n")
         if job == "growth":
             text += [GROWTH, _growth(runs)]
