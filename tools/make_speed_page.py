@@ -97,8 +97,10 @@ def page(runs: Sequence[Run]) -> str:
         heads = ["first run", "second run"]
     text = [
         INTRODUCTION.format(
-            measured=textwrap.fill(_measured(runs[0]), 100),
-            reading=textwrap.fill(READING.format(figures=_figures(runs)), 100),
+            measured=textwrap.fill(_measured(runs[0]), 100, break_on_hyphens=False),
+            reading=textwrap.fill(
+                READING.format(figures=_figures(runs)), 100, break_on_hyphens=False
+            ),
         ),
         "## In short\n",
         _table(["", *heads], _headlines(runs)),

@@ -46,6 +46,27 @@ def test_a_job_is_written_as_records(tmp_path, capsys):
         assert record["median"] == record["least"] == record["greatest"] == record["runs"][0] > 0
 
 
+def test_a_job_that_fails_does_not_end_the_others(tmp_path, monkeypatch, capsys):
+    def breaks(request):
+        """It is started, and breaks."""
+        yield Record(job="breaks", what="started", unit="s", runs=(1.0,))
+        raise RuntimeError("no more")
+
+    def works(request):
+        """It works, in an empty folder."""
+        yield Record(
+            job="works", what="files", unit="", runs=(len(list(request.folder.iterdir())),)
+        )
+
+    monkeypatch.setattr(speed, "JOBS", {"breaks": breaks, "works": works})
+    target = tmp_path / "found.json"
+    with pytest.raises(SystemExit, match="failed: breaks"):
+        speed.main(["--json", str(target)])
+    assert "failed: no more" in capsys.readouterr().out
+    records = json.loads(target.read_text())["records"]
+    assert [(each["job"], each["median"]) for each in records] == [("breaks", 1.0), ("works", 0)]
+
+
 @pytest.mark.parametrize("wrong", [["--only", "fold"], ["--repeat", "0"]])
 def test_what_there_is_not_is_refused(wrong, capsys):
     with pytest.raises(SystemExit):
