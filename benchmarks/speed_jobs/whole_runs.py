@@ -87,12 +87,13 @@ _IMPORTS = "from moseg_core import load, segment"
 
 
 def small(request: Request) -> Iterator[Record]:
-    """100 small shapes one after the other in one process, with the recipe hammer, each."""
+    """100 small shapes one after the other in one process, recipe hammer, one start: each."""
     rng, commands = np.random.default_rng(0), []
     for k in range(SMALL_SHAPES):
         shape, path = small_hammer(rng), request.folder / f"small{k}.ply"
         write_mesh(shape, path)
-        commands.append(segmenting(path, "hammer", request))
+        # What a search takes is not the question here: one start is enough.
+        commands.append(segmenting(path, "hammer", request, "--restarts", "1"))
     run_by_stage(commands[:1], request)
     runs = [run_by_stage(commands, request) for _ in range(request.repeat)]
     title = f"a shape of {shape.n_elements} faces"
