@@ -97,10 +97,8 @@ def page(runs: Sequence[Run]) -> str:
         heads = ["first run", "second run"]
     text = [
         INTRODUCTION.format(
-            measured=textwrap.fill(_measured(runs[0]), 100, break_on_hyphens=False),
-            reading=textwrap.fill(
-                READING.format(figures=_figures(runs)), 100, break_on_hyphens=False
-            ),
+            measured=_filled(_measured(runs[0])),
+            reading=_filled(READING.format(figures=_figures(runs))),
         ),
         "## In short\n",
         _table(["", *heads], _headlines(runs)),
@@ -116,6 +114,11 @@ def page(runs: Sequence[Run]) -> str:
         else:
             text.append(_table([job, *heads], ([what, *cells] for what, cells in _rows(runs, job))))
     return "\n".join(text)
+
+
+def _filled(text: str) -> str:
+    """A paragraph in lines of 100."""
+    return textwrap.fill(text, 100, break_on_hyphens=False)
 
 
 def _figures(runs: Sequence[Run]) -> str:
