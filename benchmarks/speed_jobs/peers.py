@@ -1,7 +1,9 @@
 """The same mesh by other programs, which take it apart without being told what to look for.
 
 Each is called with its own defaults, by a script of a few lines in a process of its own, from an
-interpreter that has it (``--peers``); moseg needs none of them. What is counted is what counts for
+interpreter that has it (``--peers``); moseg needs none of them. MeshLib's is
+``segmentMesh``, which joins faces across the flattest edges until as many segments are left as
+paper_horse has labels. What is counted is what counts for
 moseg: from the start of the interpreter until the parts are there, the reading of the mesh included
 (of numpy arrays, which is fast). All are run in turn, so that what else the machine does falls on
 all alike.
@@ -16,10 +18,12 @@ from pathlib import Path
 import numpy as np
 
 import moseg_core as moseg
-from speed_jobs.processes import MOSEG, run, segmenting
+from speed_jobs.processes import MOSEG, Used, run, segmenting, used_records
 from speed_jobs.records import Record, Request, quotients
 
 _READ = "import sys, numpy; a = numpy.load(sys.argv[1]); v, f = a['vertices'], a['faces']\n"
+
+_MINE = "moseg, paper_horse"
 
 #: By the module that is imported the name, and a script that takes the mesh apart.
 PEERS = {
@@ -30,7 +34,7 @@ PEERS = {
     ),
     "vhacdx": ("V-HACD", "import vhacdx; parts = vhacdx.compute_vhacd(v, f.astype('uint32'))\n"),
     "meshlib": (
-        "MeshLib, segmentMesh by dihedral angles",
+        "MeshLib",
         "from meshlib import mrmeshpy, mrmeshnumpy\n"
         "mesh = mrmeshnumpy.meshFromFacesVerts(f.astype('int32'), v)\n"
         "parts = mrmeshpy.segmentMesh(mesh, mrmeshpy.edgeDihedralAngleMetric(mesh))\n"
@@ -54,16 +58,16 @@ def peers(request: Request) -> Iterator[Record]:
         else:
             command = [request.peers, "-c", f"{_READ}{script}", str(data)]
             here[f"{title} {version}"] = command
-    walls: dict[str, list[float]] = {"moseg, paper_horse": [], **{title: [] for title in here}}
+    runs: dict[str, list[Used]] = {title: [] for title in (_MINE, *here)}
     for seed in range(request.repeat):
         mine = [MOSEG, *segmenting(request.mesh, "paper_horse", request, "--seed", str(seed))]
-        walls["moseg, paper_horse"].append(run(mine, request).wall)
-        for title, command in here.items():
-            walls[title].append(run(command, request).wall)
-    for title, runs in walls.items():
-        yield Record(job="peers", what=title, unit="s", runs=tuple(runs))
+        for title, command in {_MINE: mine, **here}.items():
+            runs[title].append(run(command, request))
+    for title, used in runs.items():
+        yield from used_records("peers", title, used)
+    walls = {title: [each.wall for each in used] for title, used in runs.items()}
     for title in here:
-        ratio = quotients(walls["moseg, paper_horse"], walls[title])
+        ratio = quotients(walls[_MINE], walls[title])
         yield Record(job="peers", what=f"moseg : {title}", unit=": 1", runs=ratio)
 
 
