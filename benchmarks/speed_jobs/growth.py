@@ -30,6 +30,7 @@ FACES = (10_000, 100_000, 1_000_000)
 #: In the order of a run, and which of moseg's stages each is the sum of.
 STAGES = {
     "read": ("read",),
+    "fields": ("fields",),
     "super-elements": ("super-elements",),
     "search": ("seeds and labels", "search", "exchange of labels"),
     "polish": ("polish",),

@@ -1,12 +1,11 @@
 """The same mesh by other programs, which take it apart without being told what to look for.
 
 Each is called with its own defaults, by a script of a few lines in a process of its own, from an
-interpreter that has it (``--peers``); moseg needs none of them. MeshLib's is
-``segmentMesh``, which joins faces across the flattest edges until as many segments are left as
-paper_horse has labels. What is counted is what counts for
-moseg: from the start of the interpreter until the parts are there, the reading of the mesh included
-(of numpy arrays, which is fast). All are run in turn, so that what else the machine does falls on
-all alike.
+interpreter that has it (``--peers``); moseg needs none of them. MeshLib's is ``segmentMesh``, which
+joins faces across the flattest edges until as many segments are left as paper_horse has labels.
+What is counted is what counts for moseg: from the start of the interpreter until the parts are
+there, the reading of the mesh included (of numpy arrays, which is fast). All are run in turn, so
+that what else the machine does falls on all alike.
 """
 
 from __future__ import annotations

@@ -20,8 +20,11 @@ HERE = Path(__file__).parent
 MOSEG = str(Path(sys.executable).with_name("moseg"))
 """The command, as it is installed beside this interpreter."""
 
-SEARCH = ("super-elements", "seeds and labels", "search", "exchange of labels", "polish", "refine")
-"""The stages that are a search; the rest are the start, reading and writing."""
+SEARCH = (
+    *("fields", "super-elements", "seeds and labels", "search", "exchange of labels"),
+    *("polish", "refine"),
+)
+"""The stages that are a search; the others are the start, reading and writing."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -25,6 +25,7 @@ from typing import Any, Generic, NamedTuple, TypeVar
 import numpy as np
 
 from moseg_core.components.discovery.lookup import FoundField, Lookup
+from moseg_core.components.profile import timed
 from moseg_core.components.requirements import demand
 from moseg_core.errors import REPORT, PluginError
 from moseg_core.language import Table
@@ -185,7 +186,8 @@ def _values(shape: Shape, found: FoundField, parameters: Mapping[str, Any]) -> F
     key = ("field", *field_key(found, parameters))
     if key not in own.made_from:
         demand(own, found.requires, f"field '{found.id}'")
-        values = found.function(own, **parameters)
+        with timed("stage", "fields"):
+            values = found.function(own, **parameters)
         try:
             array = np.array(values, dtype=np.float64)
         except (TypeError, ValueError):

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from moseg_core.components.discovery.lookup import FoundField
 from moseg_core.components.field import field_sums, field_values, link_values
+from moseg_core.components.profile import profiling
 from moseg_core.components.segmentation import Segmentation
 from moseg_core.errors import MosegError, PluginError, ShapeError
 from moseg_core.language import Table
@@ -50,6 +51,14 @@ def test_a_field_is_computed_once_per_shape_and_parameters():
     assert heights.calls == [(shape.n_elements, 1.0), (shape.n_elements, 2.0)]
     field_values(capsule(), "height", lookup=heights)
     assert len(heights.calls) == 3
+
+
+def test_fields_are_a_stage_of_their_own_in_a_profile():
+    shape, heights = capsule(), Heights()
+    with profiling() as profile:
+        for _ in range(2):
+            field_values(shape, "height", lookup=heights)
+    assert [(name, entry.calls) for name, _, entry in profile.of("stage")] == [("fields", 1)]
 
 
 def test_a_field_may_take_a_table_which_may_be_any_mapping():
