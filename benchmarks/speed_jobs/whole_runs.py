@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import shutil
 import sys
 from collections.abc import Iterator
+from importlib.metadata import entry_points
+from importlib.util import find_spec
+from pathlib import Path
 
 import numpy as np
 
@@ -76,11 +80,37 @@ def start(request: Request) -> Iterator[Record]:
     yield Record(job="start", what=what, unit="s", runs=searches)
     less = tuple(wall - search for wall, search in zip(walls, searches, strict=True))
     yield Record(job="start", what=f"{title}: less its search", unit="s", runs=less)
-    empty = request.folder / "kernels"
-    empty.mkdir()
-    cold = run([MOSEG, *command], request, environment={"NUMBA_CACHE_DIR": str(empty)}).wall
-    what = f"moseg segment, {smallest.stem}, no kernel compiled yet"
-    yield Record(job="start", what=what, unit="s", runs=(cold,))
+    yield cold(command, request)
+
+
+def cold(command: list[str], request: Request) -> Record:
+    """The first run after an installation, once: no kernel is compiled yet.
+
+    Of a copy of all bundles, since kernels are found beside the source as well.
+
+    Raises
+    ------
+    AssertionError
+        No kernel was compiled: the copy was not used.
+    """
+    copy = request.folder / "installed"
+    for package in sorted({each.module.partition(".")[0] for each in entry_points(group="moseg")}):
+        found = find_spec(package)
+        (source,) = found.submodule_search_locations
+        shutil.copytree(source, copy / package, ignore=shutil.ignore_patterns("__pycache__"))
+    # Byte code there is, as after an installation by pip.
+    run([sys.executable, "-m", "compileall", "-q", str(copy)], request)
+    before = kept(copy)
+    first = run([MOSEG, *command], request, environment={"PYTHONPATH": str(copy)})
+    if kept(copy) == before:
+        raise AssertionError("no kernel was compiled by what should be the first run")
+    what = f"moseg segment, {Path(command[1]).stem}, no kernel compiled yet"
+    return Record(job="start", what=what, unit="s", runs=(first.wall,))
+
+
+def kept(folder: Path) -> int:
+    """How many files there are in caches of a folder."""
+    return sum(1 for _ in folder.glob("**/__pycache__/*"))
 
 
 _IMPORTS = "from moseg_core import load, segment"

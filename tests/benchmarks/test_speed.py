@@ -19,7 +19,7 @@ from speed_jobs import JOBS, processes
 from speed_jobs.growth import RATIOS, STAGES
 from speed_jobs.literal import squared_distance_to_ellipsoid
 from speed_jobs.records import Record, Request, alternating
-from speed_jobs.subdivision import cut_up, small_hammer
+from speed_jobs.subdivision import cut_up, small_hammer, write_mesh
 
 
 def test_all_jobs_are_listed_with_what_they_measure(capsys):
@@ -99,6 +99,19 @@ def test_a_process_is_watched_with_its_children_and_without_this_one(tmp_path):
     failing = "import sys; print('no such thing', file=sys.stderr); sys.exit(3)"
     with pytest.raises(RuntimeError, match=r"ended with 3: no such thing"):
         processes.run([sys.executable, "-c", failing], request)
+
+
+def test_each_stage_of_a_run_is_a_search_or_around_it(tmp_path):
+    request, mesh = Request(mesh=Path(), folder=tmp_path), tmp_path / "small.ply"
+    write_mesh(small_hammer(np.random.default_rng(0)), mesh)
+    short = ("--restarts", "1", "--seeder", "kmeans")
+    _, stages = processes.run_by_stage(
+        [processes.segmenting(mesh, "hammer", request, *short)], request
+    )
+    around = {stage for name in ("read", "write", "start and rest") for stage in STAGES[name]}
+    assert {"fields", "seeds and labels", "search", "read", "write", "rest"} <= set(stages)
+    assert set(stages) <= {*processes.SEARCH, *around}
+    assert processes.final_cost(request) > 0
 
 
 def test_a_mesh_is_cut_up_without_a_change_of_the_surface():
