@@ -48,7 +48,8 @@ def run():
 
 
 def test_figures_come_with_their_range_and_unit(run):
-    text = page([run])
+    text = page([run], "Of a busy day.")
+    assert "Of a busy day." in " ".join(text.split())
     assert "Fast 3, 2 cores, 8 GB of memory" in text
     assert "| paper_horse: seconds | 1.50 s (1.25 to 2.00) |" in text
     assert "| its final cost, seeds 0 and on | 7.17954 |" in text
