@@ -149,6 +149,37 @@ class Labellings:
             self._views[space] = replace(self, level=level, summary=summary)
         return self._views[space]
 
+    def first(self, rows: IntArray, parts: IntArray) -> tuple[IntArray, IntArray]:
+        """Of parts that occur several times the first: its row and number.
+
+        Most parts of a candidate occur in others of a batch too, and all that is measured of a
+        part depends on its members alone, to the last bit.
+
+        Parameters
+        ----------
+        rows, parts : (...) int
+            The labelling, and which of its parts.
+
+        Returns
+        -------
+        rows, parts : (...) int
+            Those of a part with the same members.
+        """
+        if len(self) == 1:  # parts of one labelling have no members in common
+            return rows, parts
+        flat = self._first[rows * self.n_parts + parts]
+        return flat // self.n_parts, flat % self.n_parts
+
+    @cached_property
+    def _first(self) -> IntArray:
+        """(Bn,) int: the first part, counted through all rows, with the same members."""
+        hashes = self.summary.hashes.reshape(-1, 2)
+        _, first, which = np.unique(hashes[:, 0], return_index=True, return_inverse=True)
+        found: IntArray = first[which]
+        if (hashes[found, 1] != hashes[:, 1]).any():  # half a hash in common
+            return np.arange(len(hashes))
+        return found
+
     @property
     def areas(self) -> FloatArray:
         """(B, n) float: area of each part."""

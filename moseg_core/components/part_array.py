@@ -85,9 +85,9 @@ class PartArray:
 
     @cached_property
     def _at(self) -> tuple[IntArray, IntArray]:
-        """Where the parts are in tables of labellings and parts."""
+        """Where the parts, or others with the same members, are in the tables."""
         rows = self._rows if self._parts.ndim == 1 else self._rows[:, None]
-        return rows, self._parts
+        return self._labellings.first(rows, self._parts)
 
     @cached_property
     def _wanted(self) -> BoolArray:

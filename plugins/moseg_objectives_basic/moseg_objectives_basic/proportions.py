@@ -9,10 +9,42 @@ without bound and ``compact = 1 - narrow`` would make no sense. Descending scale
 
 from __future__ import annotations
 
-from moseg_core import Part, objective
+from typing import TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from moseg_core import Part, PartArray, objective
+
+FloatArray: TypeAlias = npt.NDArray[np.float64]
 
 
-@objective(range=(0, 1), invariant_to=("rigid", "scale", "reflection", "order", "tessellation"))
+def all_narrow(parts: PartArray) -> FloatArray:
+    """:func:`narrow` of several parts, (k,) float."""
+    s1, s2, s3 = parts.scales.T
+    values: FloatArray = (s2 + s3) / (2 * s1)
+    return values
+
+
+def all_flat(parts: PartArray) -> FloatArray:
+    """:func:`flat` of several parts, (k,) float."""
+    s1, s2, s3 = parts.scales.T
+    thick = s3 > 0  # then the width is not 0 either
+    ratio = np.divide(s3, 2 * s2, out=np.zeros_like(s3), where=thick)
+    values: FloatArray = s3 / (2 * s1) + ratio
+    return values
+
+
+def all_compact(parts: PartArray) -> FloatArray:
+    """:func:`compact` of several parts, (k,) float."""
+    return 1.0 - all_narrow(parts)
+
+
+@objective(
+    range=(0, 1),
+    invariant_to=("rigid", "scale", "reflection", "order", "tessellation"),
+    vectorized=all_narrow,
+)
 def narrow(part: Part) -> float:
     """``(s2 + s3) / (2 s1)``: the mean of the short scales over the long one.
 
@@ -40,7 +72,11 @@ def narrow(part: Part) -> float:
     return float((s2 + s3) / (2 * s1))
 
 
-@objective(range=(0, 1), invariant_to=("rigid", "scale", "reflection", "order", "tessellation"))
+@objective(
+    range=(0, 1),
+    invariant_to=("rigid", "scale", "reflection", "order", "tessellation"),
+    vectorized=all_flat,
+)
 def flat(part: Part) -> float:
     """``s3 / (2 s1) + s3 / (2 s2)``: the mean of the thickness over the length and the width.
 
@@ -70,7 +106,11 @@ def flat(part: Part) -> float:
     return float(s3 / (2 * s1) + s3 / (2 * s2))
 
 
-@objective(range=(0, 1), invariant_to=("rigid", "scale", "reflection", "order", "tessellation"))
+@objective(
+    range=(0, 1),
+    invariant_to=("rigid", "scale", "reflection", "order", "tessellation"),
+    vectorized=all_compact,
+)
 def compact(part: Part) -> float:
     """``1 - narrow(P)``: the contrary of a line.
 

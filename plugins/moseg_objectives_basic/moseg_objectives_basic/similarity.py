@@ -9,15 +9,36 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 
-from moseg_core import Part, objective
+from moseg_core import Part, PartArray, objective
+
+FloatArray: TypeAlias = npt.NDArray[np.float64]
+
+
+def all_similar(parts: PartArray) -> FloatArray:
+    """:func:`similar` of several calls, (k,) float."""
+    unit = parts.scales / np.linalg.norm(parts.scales, axis=2, keepdims=True)
+    squares = (unit - unit.mean(axis=1, keepdims=True)) ** 2
+    values: FloatArray = squares.sum(axis=2).mean(axis=1)
+    return values
+
+
+def all_similar_proportions(parts: PartArray) -> FloatArray:
+    """:func:`similar_proportions` of several calls, (k,) float."""
+    squares = (parts.scales - parts.scales.mean(axis=1, keepdims=True)) ** 2
+    # As one row for each call: numpy then adds in the same order for one call as for many.
+    spread: FloatArray = squares.reshape(len(parts), -1).sum(axis=1)
+    return spread / parts.shape.box_diagonal**2
 
 
 @objective(
     range=(0, 0.25),
     invariant_to=("rigid", "scale", "reflection", "order", "tessellation", "labels"),
+    vectorized=all_similar,
 )
 def similar(parts: Sequence[Part]) -> float:
     """``mean_i ||u_i - mean u||^2``: how far the parts' proportions are from their mean.
@@ -64,6 +85,7 @@ def similar(parts: Sequence[Part]) -> float:
 @objective(
     range=(0, math.inf),
     invariant_to=("rigid", "scale", "reflection", "order", "tessellation", "labels"),
+    vectorized=all_similar_proportions,
 )
 def similar_proportions(parts: Sequence[Part]) -> float:
     """``sum_i ||s_i - mean s||^2 / d^2``: how far the parts' scales are from their mean.
