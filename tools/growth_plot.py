@@ -25,6 +25,7 @@ _PANELS: dict[str, tuple[float, float, dict[str, str]]] = {
         {
             "everything": ": seconds",
             "read": ", one process: read",
+            "fields": ", one process: fields",
             "search": ", one process: search",
             "polish": ", one process: polish",
         },

@@ -17,7 +17,8 @@ def record(job, what, unit, *runs):
 
 
 def growing(faces, seconds):
-    ends = (": seconds", ", one process: read", ", one process: search", ", one process: polish")
+    stages = [f", one process: {stage}" for stage in ("read", "fields", "search", "polish")]
+    ends = (": seconds", *stages)
     times = [record("growth", f"{faces}{end}", "s", seconds) for end in ends]
     memory = record("growth", f"{faces}: memory", "GB", seconds / 10)
     return [record("growth", f"{faces}: faces", "faces", faces), *times, memory]
@@ -76,5 +77,5 @@ def test_the_plot_has_a_point_for_each_mesh_and_curve(run):
     assert meshes(run) == [9000, 90000]
     drawn = growth_plot(run).decode()
     # In the legend one more.
-    assert drawn.count("<circle") == 5 * (len(meshes(run)) + 1)
+    assert drawn.count("<circle") == 6 * (len(meshes(run)) + 1)
     assert "<title>search</title>" in drawn
