@@ -11,7 +11,7 @@ import numpy as np
 
 from moseg_core.components.protocols import Evaluator
 from moseg_core.errors import UsageError, unknown
-from moseg_core.problem.aggregate import call_value, empty_parts
+from moseg_core.problem.calls import call_value, empty_parts
 from moseg_core.types import FloatArray, IntArray
 
 

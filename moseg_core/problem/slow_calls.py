@@ -7,7 +7,7 @@ them and says nothing meanwhile, so a user who waits cannot know for which. Whoe
     with naming_slow_calls(lambda what, seconds: print(f"waiting for {what}: {seconds:.0f} s")):
         segment(shape, problem)
 
-:mod:`moseg_core.problem.aggregate` puts every call of an objective :func:`under_watch`. A thread
+:mod:`moseg_core.problem.calls` puts every call of an objective :func:`under_watch`. A thread
 looks now and then at what is going on, so the calls pay next to nothing. Processes that are copied
 while a watch is on (:mod:`moseg_core.search.workers`) start a thread of their own; meanwhile the
 watch is made to :func:`rest`, so that no thread runs where processes are copied. A call that keeps

@@ -17,12 +17,7 @@ from scipy.optimize import linear_sum_assignment
 
 from moseg_core.components.labellings import Labellings
 from moseg_core.components.segmentation import Segmentation
-from moseg_core.problem.aggregate import (
-    all_empty_parts,
-    call_value,
-    empty_parts,
-    vectorized_values,
-)
+from moseg_core.problem.calls import all_empty_parts, call_value, empty_parts, vectorized_values
 from moseg_core.problem.constraints import Group
 from moseg_core.problem.problem import Problem
 from moseg_core.shape.pins import NO_PINS, Pins

@@ -24,18 +24,15 @@ from moseg_core.components.labellings import Labellings
 from moseg_core.components.memo import Memo
 from moseg_core.components.protocols import Batch, Parameterization
 from moseg_core.components.segmentation import Segmentation
-from moseg_core.problem.aggregate import (
-    Evaluation,
-    Values,
+from moseg_core.problem.aggregate import Evaluation, Values, evaluate_segmentation, weighted_sum
+from moseg_core.problem.binding import BoundTerm
+from moseg_core.problem.calls import (
     all_empty_parts,
     all_term_values,
     call_value,
-    evaluate_segmentation,
     known_value,
     leaves_out,
-    weighted_sum,
 )
-from moseg_core.problem.binding import BoundTerm
 from moseg_core.problem.problem import Problem
 from moseg_core.search.assignment import UnaryCosts, unary_values
 from moseg_core.search.checked_partition import checked
