@@ -65,8 +65,8 @@ class Profile:
     _within: dict[bool, list[float]] = field(default_factory=lambda: {True: [], False: []})
 
     @contextmanager
-    def timed(self, group: Group, name: str, source: str) -> Iterator[None]:
-        """Count what happens in this context."""
+    def timed(self, group: Group, name: str, source: str, calls: int) -> Iterator[None]:
+        """Count what happens in this context, as so many calls."""
         within = self._within[group == "stage"]
         within.append(0.0)
         began = self.clock()
@@ -75,7 +75,7 @@ class Profile:
         finally:
             seconds = self.clock() - began
             entry = self.entries.setdefault((group, name, source), Entry())
-            entry.calls += 1
+            entry.calls += calls
             entry.seconds += seconds - within.pop()
             if within:
                 within[-1] += seconds
@@ -99,7 +99,9 @@ class Profile:
 _profile: ContextVar[Profile | None] = ContextVar("moseg_profile", default=None)
 
 
-def timed(group: Group, name: str, source: str = "") -> AbstractContextManager[None]:
+def timed(
+    group: Group, name: str, source: str = "", *, calls: int = 1
+) -> AbstractContextManager[None]:
     """A context whose time is counted, where somebody asks for it.
 
     Parameters
@@ -107,9 +109,11 @@ def timed(group: Group, name: str, source: str = "") -> AbstractContextManager[N
     group : {"stage", "component", "term"}
     name, source : str
         What goes on, and the distribution that it comes from.
+    calls : int
+        How many calls are made at once.
     """
     profile = _profile.get()
-    return _NOTHING if profile is None else profile.timed(group, name, source)
+    return _NOTHING if profile is None else profile.timed(group, name, source, calls)
 
 
 def stage(name: str) -> Callable[[Callable[P, T]], Callable[P, T]]:

@@ -171,7 +171,8 @@ def vectorized_values(
     doing = f"{who} in {where}"
     assert term.vectorized is not None  # callers have looked
     try:
-        with at_work(doing), under_watch(doing), timed("term", term.written, term.distribution):
+        profiled = timed("term", term.written, term.distribution, calls=len(rows))
+        with at_work(doing), under_watch(doing), profiled:
             returned = term.vectorized(array, **term.parameters)
     except UsageError as error:
         raise UsageError(f"in {where}: {error}") from error

@@ -72,3 +72,12 @@ def test_nobody_asks():
     with timed("term", "a", "b"):
         pass
     assert profile.entries == {}
+
+
+def test_calls_that_are_made_at_once_are_counted_one_by_one():
+    with (
+        profiling(clock=iter([0.0, 1.0]).__next__) as profile,
+        timed("term", "is(a)", "b", calls=5),
+    ):
+        pass
+    assert [(e.calls, e.seconds) for _, _, e in profile.of("term")] == [(5, 1.0)]

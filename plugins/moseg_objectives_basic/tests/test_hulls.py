@@ -27,8 +27,8 @@ def in_unit_cube(points):
     return local / np.ptp(local, axis=0)
 
 
-def check(points):
-    assert fast_hull_volume(points) == pytest.approx(exact_hull_volume(points), rel=CLOSE)
+def check(points, close=CLOSE):
+    assert fast_hull_volume(points) == pytest.approx(exact_hull_volume(points), rel=close)
 
 
 @pytest.mark.parametrize("name", ZOO)
@@ -98,7 +98,8 @@ def test_random_parts_of_the_benchmark():
     rng = np.random.default_rng(0)
     for path in rng.permutation(np.array(paths, dtype=object))[:50]:
         for part in random_parts(moseg.load(path).geometry.vertices, 10, rng):
-            check(in_unit_cube(part))
+            # Some of their points are out of a plane by less than the grid of the hulls.
+            check(in_unit_cube(part), close=1e-9)
 
 
 def test_qhull_answers_where_a_hull_is_thin_along_no_axis():
