@@ -133,7 +133,10 @@ def _figures(runs: Sequence[Run]) -> str:
     repeat = runs[0]["repeat"]
     often = f"the median of {repeat}, with the least and greatest behind it"
     once = f"a figure is {often if repeat > 1 else 'of a single measurement'}"
-    return f"{once}, and everything was run twice" if len(runs) > 1 else once
+    if len(runs) == 1:
+        return once
+    again = runs[1]["repeat"]
+    return f"{once}; what has a second column was run again, {again} times each"
 
 
 def _measured(run: Run) -> str:
