@@ -83,10 +83,8 @@ class Segmentation:
         if space == self.level.space:
             return self
         if space not in self._views:
-            level = self.level.in_space(space)
-            self._views[space] = replace(
-                self, level=level, summary=Summary.of(level, self.level_labels, self.n_parts)
-            )
+            view = self.labelling.view(space)
+            self._views[space] = replace(self, level=view.level, summary=view.summary.row(0))
         return self._views[space]
 
     @classmethod

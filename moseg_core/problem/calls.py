@@ -119,26 +119,14 @@ def all_term_values(
     count, sound = len(calls), ~empty[:, calls].any(axis=2)
     repeated, members = np.repeat(rows, count), orders[:, calls].reshape(-1, calls.shape[1])
     if sound.all():
-        values = _distinct_values(term, labellings, repeated, members)
+        values = vectorized_values(term, labellings, repeated, members)
         return [list(row) for row in values.reshape(-1, count).tolist()]
     kept = np.flatnonzero(sound)
-    some = _distinct_values(term, labellings, repeated[kept], members[kept]).tolist()
+    some = vectorized_values(term, labellings, repeated[kept], members[kept]).tolist()
     flat: list[float | None] = [None] * sound.size
     for k, value in zip(kept.tolist(), some, strict=True):
         flat[k] = value
     return [flat[k : k + count] for k in range(0, len(flat), count)]
-
-
-def _distinct_values(
-    term: BoundTerm, labellings: Labellings, rows: IntArray, members: IntArray
-) -> FloatArray:
-    """:func:`vectorized_values`, a unary term asked once of parts that occur several times."""
-    if term.arity != "unary" or len(labellings) == 1:
-        return vectorized_values(term, labellings, rows, members)
-    n = labellings.n_parts
-    first_rows, first_parts = labellings.first(rows, members[:, 0])
-    distinct, which = np.unique(first_rows * n + first_parts, return_inverse=True)
-    return vectorized_values(term, labellings, distinct // n, distinct[:, None] % n)[which]
 
 
 def vectorized_values(
@@ -164,6 +152,18 @@ def vectorized_values(
     """
     if not len(rows):
         return np.empty(0)
+    if term.arity == "unary" and len(labellings) > 1:  # parts that occur several times, once
+        n = labellings.n_parts
+        first_rows, first_parts = labellings.first(rows, members[:, 0])
+        distinct, which = np.unique(first_rows * n + first_parts, return_inverse=True)
+        return _answered(term, labellings, distinct // n, distinct[:, None] % n)[which]
+    return _answered(term, labellings, rows, members)
+
+
+def _answered(
+    term: BoundTerm, labellings: Labellings, rows: IntArray, members: IntArray
+) -> FloatArray:
+    """(k,) float: what the vectorised form answers, once it is known to be k numbers in range."""
     parts = members[:, 0] if term.arity == "unary" else members
     array = PartArray(_labellings=labellings.view(term.space), _rows=rows, _parts=parts)
     who = f"the vectorized form of objective '{term.id}' of {term.distribution}"
