@@ -1,9 +1,8 @@
-"""Hulls by Qhull, by manifold3d and by the basic objectives' own, alone and in a search, in turn.
+"""Hulls by Qhull and by manifold3d, alone and in a search, in turn.
 
 First hulls of vertices around a random one of the mesh, as many as said and turned, and of as many
 points on a ball, which are corners of the hull all. Then a search whose terms are made of hulls,
-with parts of super-elements measured by each. For manifold3d points are moved by up to 1e-9, since
-it errs where they lie in one plane.
+with parts of super-elements measured by each.
 """
 
 from __future__ import annotations
@@ -12,7 +11,6 @@ import time
 from collections.abc import Callable, Iterator
 
 import numpy as np
-from manifold3d import Manifold
 from moseg_objectives_basic import convexity
 from moseg_objectives_basic.hulls import exact_hull_volume, fast_hull_volume
 from scipy.spatial.transform import Rotation
@@ -20,18 +18,11 @@ from scipy.spatial.transform import Rotation
 import moseg_core as moseg
 from speed_jobs.records import Record, Request, alternating, quotients
 
-
-def manifold_volume(points: np.ndarray) -> float:
-    """The volume of the hull by manifold3d, of points moved apart."""
-    moves = np.random.default_rng(1785).uniform(-1e-9, 1e-9, points.shape)
-    return float(Manifold.hull_points(points + moves).volume())
-
-
-HULLS = {"Qhull": exact_hull_volume, "manifold3d": manifold_volume, "own": fast_hull_volume}
+HULLS = {"Qhull": exact_hull_volume, "manifold3d": fast_hull_volume}
 
 
 def hulls(request: Request) -> Iterator[Record]:
-    """Hulls by Qhull, manifold3d and moseg's own, of 50 to 4800 points and in a search; ratios."""
+    """Hulls by Qhull and manifold3d, of 50 to 4800 points and in a search; ratios."""
     vertices = moseg.load(request.mesh).geometry.vertices
     for size in (50, 500, 1500, 4800):
         for kind, sets in (("the mesh", parts(vertices, size, 30)), ("a ball", balls(size, 10))):

@@ -32,7 +32,7 @@ from moseg_core import (
     write_file,
 )
 
-#: What bundles compute with, where it is installed; moseg's own do without manifold3d.
+#: What bundles compute with, where it is installed.
 _LIBRARIES = ("numpy", "scipy", "numba", "libigl", "manifold3d")
 
 
