@@ -8,14 +8,12 @@ surface keep a part from getting there.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any, TypeAlias
+from typing import Annotated, Any
 
 import numpy as np
-import numpy.typing as npt
 
 from moseg_core import Interval, Part, PartArray, UsageError, objective
-
-FloatArray: TypeAlias = npt.NDArray[np.float64]
+from moseg_objectives_basic.arrays import FloatArray
 
 
 def middle_share(given: Mapping[str, Any]) -> float | None:

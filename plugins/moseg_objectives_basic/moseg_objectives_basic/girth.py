@@ -8,15 +8,11 @@ not depend on how long a part was cut.
 from __future__ import annotations
 
 import math
-from typing import TypeAlias
 
 import numpy as np
-import numpy.typing as npt
 
 from moseg_core import Part, PartArray, Segmentation, objective
-from moseg_objectives_basic.row_sums import row_sums
-
-FloatArray: TypeAlias = npt.NDArray[np.float64]
+from moseg_objectives_basic.arrays import FloatArray, row_sums
 
 _FIELD, _LOG = "basic:thickness", "basic:log_thickness"
 

@@ -17,12 +17,9 @@ from collections.abc import Callable, Container, Mapping
 from typing import Annotated, Any, TypeAlias
 
 import numpy as np
-import numpy.typing as npt
 
 from moseg_core import Detail, Interval, Part, PartArray, Target, objective
-from moseg_objectives_basic.row_sums import row_sums
-
-FloatArray: TypeAlias = npt.NDArray[np.float64]
+from moseg_objectives_basic.arrays import FloatArray, row_sums
 
 _THICKNESS, _REMOTENESS, _CONCAVITY = "basic:thickness", "basic:remoteness", "basic:concavity"
 

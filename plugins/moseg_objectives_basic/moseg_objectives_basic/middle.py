@@ -6,14 +6,10 @@ is remote however the arm is bent. A torso is central, and heads, hands and feet
 
 from __future__ import annotations
 
-from typing import TypeAlias
-
 import numpy as np
-import numpy.typing as npt
 
 from moseg_core import Part, PartArray, objective
-
-FloatArray: TypeAlias = npt.NDArray[np.float64]
+from moseg_objectives_basic.arrays import FloatArray
 
 _FIELD = "basic:remoteness"
 

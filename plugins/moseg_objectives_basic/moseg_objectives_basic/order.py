@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Annotated, TypeAlias
+from typing import Annotated
 
 import numpy as np
-import numpy.typing as npt
 
 from moseg_core import Interval, Part, PartArray, objective
-
-FloatArray: TypeAlias = npt.NDArray[np.float64]
+from moseg_objectives_basic.arrays import FloatArray
 
 _FIELD = "basic:height"
 

@@ -9,14 +9,10 @@ without bound and ``compact = 1 - narrow`` would make no sense. Descending scale
 
 from __future__ import annotations
 
-from typing import TypeAlias
-
 import numpy as np
-import numpy.typing as npt
 
 from moseg_core import Part, PartArray, objective
-
-FloatArray: TypeAlias = npt.NDArray[np.float64]
+from moseg_objectives_basic.arrays import FloatArray
 
 
 def all_narrow(parts: PartArray) -> FloatArray:

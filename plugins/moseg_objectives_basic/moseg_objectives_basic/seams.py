@@ -10,16 +10,12 @@ of one part, ``short_boundaries`` and ``creased_boundaries`` of all; ``separate`
 from __future__ import annotations
 
 import math
-from typing import TypeAlias
 
 import numpy as np
-import numpy.typing as npt
 
 from moseg_core import Part, PartArray, Segmentation, objective
+from moseg_objectives_basic.arrays import FloatArray, row_sums
 from moseg_objectives_basic.fields.concavity import CHEAP, DEAR
-from moseg_objectives_basic.row_sums import row_sums
-
-FloatArray: TypeAlias = npt.NDArray[np.float64]
 
 _UNCREASED = "basic:uncreased"
 

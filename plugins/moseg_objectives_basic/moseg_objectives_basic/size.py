@@ -6,14 +6,10 @@ They lead steadily to less, or more, of the surface; what says when it is enough
 
 from __future__ import annotations
 
-from typing import TypeAlias
-
 import numpy as np
-import numpy.typing as npt
 
 from moseg_core import Part, PartArray, objective
-
-FloatArray: TypeAlias = npt.NDArray[np.float64]
+from moseg_objectives_basic.arrays import FloatArray
 
 
 def all_small(parts: PartArray) -> FloatArray:

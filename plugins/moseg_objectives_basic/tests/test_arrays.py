@@ -3,7 +3,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from moseg_objectives_basic.row_sums import row_sums
+from moseg_objectives_basic.arrays import row_sums
 
 
 def test_sums_are_rounded_once_and_each_is_of_its_own_row():

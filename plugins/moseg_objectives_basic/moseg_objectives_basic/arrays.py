@@ -1,6 +1,6 @@
-"""Sums along the second axis, for objectives of whole segmentations by arrays.
+"""Arrays of numbers, one for each call, and their sums, for the vectorised forms of objectives.
 
-Numpy adds in an order that may depend on how many rows there are; a value must not.
+Numpy adds along an axis in an order that may depend on how many rows there are; a value must not.
 """
 
 from __future__ import annotations
