@@ -99,7 +99,7 @@ def _alone(geometry: Geometry, elements: IntArray, whole: str, name: str) -> Sha
             f"parts of '{whole}' cannot be divided further: it is the surface of a"
             f" {geometry.kind}; read it as a solid"
         )
-    return Shape.from_polygon_mesh(_restricted(geometry, elements), name=name)
+    return Shape.from_polygon_mesh(restricted(geometry, elements), name=name)
 
 
 def _within(adjacency: Adjacency | None, elements: IntArray) -> Adjacency | None:
@@ -112,7 +112,7 @@ def _within(adjacency: Adjacency | None, elements: IntArray) -> Adjacency | None
     return Adjacency.from_pairs(pairs[(pairs >= 0).all(axis=1)], len(elements))
 
 
-def _restricted(mesh: PolygonMesh, elements: IntArray) -> PolygonMesh:
+def restricted(mesh: PolygonMesh, elements: IntArray) -> PolygonMesh:
     """Some polygons of a mesh with the vertices that they use, cut into the same triangles."""
     sizes = np.diff(mesh.offsets)[elements]
     corners = mesh.corners[ranges(mesh.offsets, elements)]

@@ -57,7 +57,7 @@ def triangulate_polygons(
 
     for f in np.flatnonzero(sizes > 4):
         ring = corners[offsets[f] : offsets[f + 1]]
-        triangles[first[f] : first[f + 1]] = ring[_clip_ears(vertices[ring])]
+        triangles[first[f] : first[f + 1]] = ring[clip_ears(vertices[ring])]
     return triangles, polygon
 
 
@@ -74,7 +74,7 @@ def _split_quads(vertices: FloatArray, quads: IntArray) -> IntArray:
     return np.where(use_second[:, None, None], by_second, by_first)
 
 
-def _clip_ears(points: FloatArray) -> IntArray:
+def clip_ears(points: FloatArray) -> IntArray:
     """(k - 2, 3) local corner indices of a simple polygon, by ear clipping.
 
     Where no ear is left (the polygon crosses itself) the sharpest remaining corner is cut, so
