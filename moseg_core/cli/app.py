@@ -12,6 +12,7 @@ from cyclopts import App, Parameter
 from moseg_core.cli.collection import importing
 from moseg_core.cli.flags import (
     Flag,
+    PartFlags,
     ProblemFlags,
     SearchedProblemFlags,
     SearchFlags,
@@ -35,7 +36,8 @@ Outputs = Annotated[
     Parameter(
         name=["--out", "-o"],
         negative=(),
-        help="File to write; json, seg, ply, npz, npy, glb, png or svg by suffix. Repeatable.",
+        help="File to write; json, seg, ply, npz, npy, glb, png or svg by suffix. With {part} in"
+        " its name a file for each part: stl, obj, ply or glb. Repeatable.",
     ),
 ]
 _NO_PROBLEM = ProblemFlags()
@@ -43,6 +45,7 @@ _NO_SEARCHED_PROBLEM = SearchedProblemFlags()
 _SHAPE_AS_READ = ShapeFlags()
 _DEFAULT_SEARCH = SearchFlags()
 _NO_STEERING = SteeringFlags()
+_PARTS_AS_CUT = PartFlags()
 
 
 @app.command
@@ -56,6 +59,7 @@ def segment(
     steering: SteeringFlags = _NO_STEERING,
     clip: Flag = False,
     out: Outputs = None,
+    part_files: PartFlags = _PARTS_AS_CUT,
     profile: Flag = False,
     json: Flag = False,
     quiet: Flag = False,
@@ -70,6 +74,8 @@ def segment(
     --minimize "3*narrow(handle) + perpendicular(handle, head) + convex_parts"
 
     moseg segment cup.stl --parts 3 -o cup.png
+
+    moseg segment hammer.ply --recipe hammer -o 'parts/{part}.stl' --close
 
     Parameters
     ----------
@@ -101,6 +107,7 @@ def segment(
             steering=steering,
             clipped=clip,
             outputs=out or [],
+            part_flags=part_files,
             as_json=json,
             quiet=quiet,
         )

@@ -21,6 +21,7 @@ _LOOKED_FOR = Group.create_ordered("What to look for")
 _READ = Group.create_ordered("How to read the shape")
 _SEARCHED = Group.create_ordered("How to search")
 _KNOWN = Group.create_ordered("What is known of this shape")
+_PARTS = Group.create_ordered("Files of single parts")
 
 
 @Parameter(name="*", group=_LOOKED_FOR)
@@ -176,3 +177,23 @@ class SteeringFlags:
     start: Path | None = None
     pin: Repeated = None
     freeze: str | None = None
+
+
+@Parameter(name="*", group=_PARTS)
+@dataclass(frozen=True, kw_only=True)
+class PartFlags:
+    """What is written of each part where -o names a file for each: -o 'parts/{part}.stl'.
+
+    Parameters
+    ----------
+    close
+        Each part as a closed solid, which can be printed: where it was cut out it is capped.
+    hulls
+        The convex hull of each part instead of its surface.
+    hull_vertices
+        The greatest number of vertices of a hull, 4 or more.
+    """
+
+    close: Flag = False
+    hulls: Flag = False
+    hull_vertices: int | None = None

@@ -13,7 +13,13 @@ import numpy as np
 from rich.table import Table
 
 from moseg_core.cli.console import console, message, print_json, print_terms, progress_reporter
-from moseg_core.cli.flags import SearchedProblemFlags, SearchFlags, ShapeFlags, SteeringFlags
+from moseg_core.cli.flags import (
+    PartFlags,
+    SearchedProblemFlags,
+    SearchFlags,
+    ShapeFlags,
+    SteeringFlags,
+)
 from moseg_core.cli.interrupt import stop_on_interrupt
 from moseg_core.cli.reading import read_shape
 from moseg_core.cli.request import (
@@ -28,7 +34,14 @@ from moseg_core.clipping.clip import check_clippable
 from moseg_core.components.faults import describe
 from moseg_core.components.profile import timed
 from moseg_core.errors import REPORT, MosegError, PluginError, UsageError
-from moseg_core.io.files import check_output, files_of, write_files
+from moseg_core.io.files import check_any_output, check_form, files_of, write_files
+from moseg_core.io.part_files import (
+    PartForm,
+    check_part_form,
+    is_for_parts,
+    part_files,
+    part_paths,
+)
 from moseg_core.io.result_json import SavedResult, evaluation_document
 from moseg_core.io.write.formats import check_writable
 from moseg_core.problem.label_sets import set_text
@@ -55,6 +68,7 @@ def run_segment(
     steering: SteeringFlags,
     clipped: bool,
     outputs: list[Path],
+    part_flags: PartFlags,
     as_json: bool,
     quiet: bool,
 ) -> None:
@@ -87,10 +101,15 @@ def run_segment(
             earlier.names, earlier.centers, problem, embedding=earlier.statement.embedding
         )
     check_frozen(problem, frozen)
+    form = PartForm(
+        close=part_flags.close, hulls=part_flags.hulls, hull_vertices=part_flags.hull_vertices
+    )
+    check_form(form, outputs)
     for output in outputs:
-        check_output(output)
-        if output.exists() and path.exists() and output.samefile(path):
-            raise UsageError(f"'{output}' is the shape itself; write the result to another file")
+        check_any_output(output)
+        for file in _files_at(output, variants):
+            if file.exists() and path.exists() and file.samefile(path):
+                raise UsageError(f"'{file}' is the shape itself; write the result to another file")
 
     started = time.monotonic()
     with timed("stage", "read"):
@@ -99,7 +118,10 @@ def run_segment(
     if clipped:
         check_clippable(shape)
     for output in outputs:
-        check_writable(output.suffix, shape)
+        if is_for_parts(output):
+            check_part_form(output, shape, form)
+        else:
+            check_writable(output.suffix, shape)
     if earlier is not None and earlier.shape.get("fingerprint") != shape.fingerprint:
         message(
             f"warning: {steering.start} is a result of another shape,"
@@ -152,11 +174,13 @@ def run_segment(
             result = clip(result)
         message(_clipping_summary(result), quiet=quiet)
     with timed("stage", "write"):
-        written, failures = _save(result, outputs, path)
+        written, failures, notes = _save(result, outputs, path, form)
+    for note in notes:
+        message(note, quiet=quiet)
     free, whole = result.dimension
     if free < whole:
         message(f"constraints leave {free} of {whole} dimensions to search", quiet=quiet)
-    wrote = f"; wrote {', '.join(map(str, written))}" if written else ""
+    wrote = f"; wrote {', '.join(written)}" if written else ""
     message(f"{time.monotonic() - started:.1f} s{wrote}", quiet=quiet)
     if as_json:
         print_json(_summary(result))
@@ -172,17 +196,22 @@ def run_segment(
 
 
 def _save(
-    result: Result, outputs: Sequence[Path], shape: Path
-) -> tuple[list[Path], list[MosegError]]:
-    """Write each output; what was written, and what went wrong with the others.
+    result: Result, outputs: Sequence[Path], shape: Path, form: PartForm
+) -> tuple[list[str], list[MosegError], list[str]]:
+    """Write each output; what was written, what went wrong with the others, what is to be said.
 
     A search may have taken hours: a writer that fails must not take the other files along.
     """
-    written: list[Path] = []
+    written: list[str] = []
     failures: list[MosegError] = []
+    notes: list[str] = []
     for output in outputs:
         try:
-            files = files_of(result, output)
+            if is_for_parts(output):
+                files, said = part_files(result, output, form)
+                notes += [note for note in said if note not in notes]
+            else:
+                files = files_of(result, output)
             for file in files:
                 if file.exists() and shape.exists() and file.samefile(shape):
                     raise UsageError(f"'{output}' comes with '{file}', which is the shape itself")
@@ -190,8 +219,16 @@ def _save(
         except MosegError as error:
             failures.append(error)
         else:
-            written += files
-    return written, failures
+            many = is_for_parts(output)
+            written += [f"{output} ({len(files)} files)"] if many else map(str, files)
+    return written, failures, notes
+
+
+def _files_at(output: Path, variants: Variants) -> list[Path]:
+    """The files that an output stands for, as far as labels are known before the search."""
+    if not is_for_parts(output):
+        return [output]
+    return [file for each in variants.tasks for file in part_paths(output, each.problem.labels)]
 
 
 def _steered(

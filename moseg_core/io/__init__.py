@@ -1,6 +1,6 @@
 """Files in and out: shapes by :func:`load`, results by :func:`save`, labellings by suffix."""
 
-from moseg_core.io.files import load, save, write_file
+from moseg_core.io.files import load, save
 from moseg_core.io.labels import (
     Labelling,
     encode_named_labels,
@@ -9,6 +9,7 @@ from moseg_core.io.labels import (
     save_labels,
 )
 from moseg_core.io.result_json import SavedResult, read_result
+from moseg_core.io.whole_file import write_file
 
 __all__ = [
     "Labelling",

@@ -2,20 +2,24 @@
 
 Readers and writers are components (:mod:`moseg_core.components.discovery.specs`), so that a bundle
 can add formats. A writer makes bytes and touches no disk; a format of several files (a mesh with
-its materials) makes several, beside the one that was asked for or below. A file is written aside
-and renamed when it is whole: a run that dies leaves either the old file or none.
+its materials) makes several, beside the one that was asked for or below. Each is written whole or
+not at all (:mod:`moseg_core.io.whole_file`). With ``{part}`` in its name a path stands for one file
+for each part (:mod:`moseg_core.io.part_files`).
 """
 
 from __future__ import annotations
 
 import os
-import tempfile
-from collections.abc import Mapping
+import warnings
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from moseg_core.components.discovery.registry import Component, Registry, registry
 from moseg_core.components.parameters import takes
 from moseg_core.errors import REPORT, MosegError, PluginError, ShapeError, UsageError, nearest
+from moseg_core.io.part_files import PartForm, check_part_files, is_for_parts, part_files
+from moseg_core.io.whole_file import write_file
+from moseg_core.io.write.part_meshes import PART_SUFFIXES
 from moseg_core.search.result import Result
 from moseg_core.shape.shape import Shape
 
@@ -82,30 +86,75 @@ def _instead_of(path: Path) -> str:
     return f"; did you mean '{path.with_name(near)}'?" if near else ""
 
 
-def save(result: Result, path: str | os.PathLike[str], *, source: Registry | None = None) -> None:
-    """Write a result in the format that the suffix says.
+def save(
+    result: Result,
+    path: str | os.PathLike[str],
+    *,
+    close: bool = False,
+    hulls: bool = False,
+    hull_vertices: int | None = None,
+    source: Registry | None = None,
+) -> None:
+    """Write a result in the format that the suffix says, or each part as a file of its own.
+
+    A part that cannot be closed, and what else is to be said of single parts, is a warning.
 
     Parameters
     ----------
     result : Result
     path : path-like
         ``.json``, ``.seg``, ``.ply``, ``.glb``, ``.npz``, ``.npy``, ``.png``, ``.svg``, or what
-        installed bundles add.
+        installed bundles add. With ``{part}`` in its name, one file for each part:
+        ``parts/{part}.stl``, or ``.obj``, ``.ply``, ``.glb``; the last folder is made where it
+        lacks.
+    close : bool
+        Each part as a closed solid; this and the next two with ``{part}`` only.
+    hulls : bool
+        The convex hull of each part instead of its surface.
+    hull_vertices : int, optional
+        The greatest number of vertices of a hull, 4 or more.
     source : Registry, optional
         Where to look for writers.
 
     Raises
     ------
     UsageError
-        No writer for the suffix, or no such folder.
+        No writer for the suffix, no such folder, or a form of parts where none are asked for.
+    ShapeError
+        The parts of a point cloud cannot be written so.
     MosegError
         The file cannot be written.
 
     Examples
     --------
     >>> moseg.save(result, "hammer.glb")  # doctest: +SKIP
+    >>> moseg.save(result, "parts/{part}.stl", close=True)  # doctest: +SKIP
     """
-    write_files(files_of(result, Path(path), source=source))
+    path = Path(path)
+    form = PartForm(close=close, hulls=hulls, hull_vertices=hull_vertices)
+    check_form(form, [path])
+    if not is_for_parts(path):
+        write_files(files_of(result, path, source=source))
+        return
+    files, notes = part_files(result, path, form)
+    write_files(files)
+    for note in notes:
+        warnings.warn(note, stacklevel=2)
+
+
+def check_form(form: PartForm, paths: Iterable[Path]) -> None:
+    """Refuse a form of parts where no path asks for parts.
+
+    Raises
+    ------
+    UsageError
+        With what to ask for.
+    """
+    if form.asked and not any(is_for_parts(path) for path in paths):
+        raise UsageError(
+            f"'{form.asked}' is about files of single parts, and none is asked for: give a path"
+            " such as 'parts/{part}.stl'"
+        )
 
 
 def files_of(result: Result, path: Path, *, source: Registry | None = None) -> dict[Path, bytes]:
@@ -192,9 +241,29 @@ def check_output(path: Path, *, source: Registry | None = None) -> Component:
     UsageError
         No writer for the suffix, no such folder, or a folder of that name.
     """
-    component = (registry() if source is None else source).by_suffix("writer", path.suffix)
+    try:
+        component = (registry() if source is None else source).by_suffix("writer", path.suffix)
+    except UsageError as error:
+        if path.suffix.lower() not in PART_SUFFIXES:
+            raise
+        each = path.with_name(f"{path.stem}-{{part}}{path.suffix}")
+        raise UsageError(f"{error}; or a file for each part: '{each}'") from None
     check_destination(path)
     return component
+
+
+def check_any_output(path: Path) -> None:
+    """Refuse a path, of a file or of one for each part, that cannot be written.
+
+    Raises
+    ------
+    UsageError
+        As :func:`check_output`, or :func:`moseg_core.io.part_files.check_part_files`.
+    """
+    if is_for_parts(path):
+        check_part_files(path)
+    else:
+        check_output(path)
 
 
 def check_destination(path: Path) -> None:
@@ -209,44 +278,3 @@ def check_destination(path: Path) -> None:
         raise UsageError(f"cannot write '{path}': it is a folder")
     if not path.parent.is_dir():
         raise UsageError(f"cannot write '{path}': there is no folder '{path.parent}'")
-
-
-def write_file(path: str | os.PathLike[str], data: bytes) -> None:
-    """Write a file whole or not at all: aside, then renamed.
-
-    Parameters
-    ----------
-    path : path-like
-        In a folder that exists; what stands there is replaced.
-    data : bytes
-
-    Raises
-    ------
-    MosegError
-        The disk is full, or the folder not writable.
-
-    Examples
-    --------
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     write_file(Path(folder) / "note.txt", b"whole")
-    ...     [(path.name, path.read_bytes()) for path in Path(folder).iterdir()]
-    [('note.txt', b'whole')]
-    """
-    path = Path(path)
-    try:
-        descriptor, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-    except OSError as error:
-        raise MosegError(f"cannot write '{path}': {error.strerror}") from error
-    aside = Path(name)
-    try:
-        with os.fdopen(descriptor, "wb") as file:
-            file.write(data)
-        # mkstemp makes files private; a result gets the permissions of any new file.
-        mask = os.umask(0)
-        os.umask(mask)
-        aside.chmod(0o666 & ~mask)
-        aside.replace(path)
-    except OSError as error:
-        raise MosegError(f"cannot write '{path}': {error.strerror}") from error
-    finally:
-        aside.unlink(missing_ok=True)

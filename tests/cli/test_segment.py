@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 import trimesh
 
+import moseg_core
 from moseg_core import Problem, load
 
 EXPRESSION = "3*narrow(handle) + perpendicular(handle, head) + convex_parts"
@@ -217,7 +218,7 @@ def test_a_full_disk_or_read_only_folder_is_a_failure(moseg, mallet, tmp_path, m
     def no_space(*args: object, **kwargs: object) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("moseg_core.io.files.tempfile.mkstemp", no_space)
+    monkeypatch.setattr("moseg_core.io.whole_file.tempfile.mkstemp", no_space)
     run = moseg("segment", mallet, "--recipe", "paper_hammer", "-o", tmp_path / "a.json")
     assert run.code == 1
     assert "No space left on device" in run.err
@@ -262,3 +263,33 @@ def test_no_component_ends_the_program_in_silence(moseg, mallet, monkeypatch):
     assert run.code == 1
     assert "moseg: a component ended the search: SystemExit: 0 (" in run.err
     assert '"sys.exit(0)"' in run.err
+
+
+def test_each_part_as_a_file_of_its_own(moseg, mallet, tmp_path):
+    out = tmp_path / "parts" / "{part}.stl"
+    run = moseg(
+        "segment", mallet, "--recipe", "paper_hammer", "--optimizer",
+        "pattern_search(max_evaluations=30)", "-o", out, "--hulls", "--hull-vertices", "8",
+        "-o", tmp_path / "m.seg",
+    )  # fmt: skip
+    assert run.code == 0
+    assert f"wrote {out} (2 files), {tmp_path / 'm.seg'}" in run.err
+    hulls = [trimesh.load(out.with_name(f"{name}.stl")) for name in ("handle", "head")]
+    assert all(hull.is_watertight and len(hull.vertices) <= 8 for hull in hulls)
+
+
+def test_slips_about_parts_are_told_before_the_search(moseg, mallet, tmp_path):
+    for words, says in [
+        (["-o", tmp_path / "{Part}.stl"], "unknown name in braces 'Part'; did you mean 'part'?"),
+        (["-o", tmp_path / "{part}.json"], "formats: .stl, .obj, .ply, .glb"),
+        (["-o", tmp_path / "x.stl"], "or a file for each part: '"),
+        (["-o", tmp_path / "x.json", "--close"], "none is asked for"),
+        (["-o", tmp_path / "{part}.stl", "--hull-vertices", "9"], "no hulls are asked for"),
+    ]:
+        run = moseg("segment", mallet, "--recipe", "paper_hammer", *words)
+        assert (run.code, says in run.err) == (2, True), run.err
+    own = tmp_path / "head.ply"
+    moseg_core.write_file(own, moseg_core.sample_path("hammer").read_bytes())
+    run = moseg("segment", own, "--recipe", "paper_hammer", "-o", tmp_path / "{part}.ply")
+    assert (run.code, "is the shape itself" in run.err) == (2, True)
+    assert list(tmp_path.glob("*.stl")) == []

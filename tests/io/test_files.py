@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import stat
 import sys
 import types
 from pathlib import Path
@@ -14,7 +13,7 @@ import moseg_core
 from moseg_core.components.discovery.registry import Bundle, Component, Registry, registry
 from moseg_core.components.discovery.specs import ReaderSpec, WriterSpec
 from moseg_core.errors import MosegError, PluginError, ShapeError, UsageError
-from moseg_core.io.files import check_destination, check_output, files_of, load, save, write_file
+from moseg_core.io.files import check_destination, check_output, files_of, load, save
 from moseg_core.io.result_json import read_result
 from tests.results import result_on
 
@@ -175,31 +174,6 @@ def test_a_destination_is_checked_before_the_search(tmp_path):
         check_output(tmp_path / "x.ply")
     with pytest.raises(UsageError, match=r"there is no folder '.*nowhere'"):
         check_destination(tmp_path / "nowhere" / "x.json")
-
-
-def test_a_file_is_replaced_whole_or_not_at_all(tmp_path, monkeypatch):
-    path = tmp_path / "x.json"
-    write_file(path, b"old")
-    write_file(path, b"new")
-    assert path.read_bytes() == b"new"
-
-    def no_space(*args):
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr("moseg_core.io.files.Path.replace", no_space)
-    with pytest.raises(MosegError, match=r"cannot write '.*': No space left on device"):
-        write_file(path, b"newer")
-    assert path.read_bytes() == b"new"
-    assert os.listdir(tmp_path) == ["x.json"]
-
-
-def test_a_file_has_the_permissions_of_any_new_file(tmp_path):
-    before = os.umask(0o027)
-    try:
-        write_file(tmp_path / "x.json", b"")
-    finally:
-        os.umask(before)
-    assert stat.S_IMODE((tmp_path / "x.json").stat().st_mode) == 0o640
 
 
 def test_every_suffix_that_is_installed_has_one_writer_and_reader_at_most():

@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from moseg_core.errors import UsageError
-from moseg_core.io.files import write_file
 from moseg_core.io.labels.named_lines import FACE_ID
+from moseg_core.io.whole_file import write_file
 from moseg_core.types import UNLABELLED, IntArray
 
 

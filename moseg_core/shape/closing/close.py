@@ -164,8 +164,7 @@ def joined(mesh: PolygonMesh) -> PolygonMesh:
 def _areas(mesh: PolygonMesh) -> FloatArray:
     a, b, c = (mesh.vertices[mesh.triangles[:, k]] for k in range(3))
     double: FloatArray = np.linalg.norm(np.cross(b - a, c - a), axis=1)
-    areas: FloatArray = np.bincount(mesh.triangle_polygon, double)
-    return areas
+    return np.bincount(mesh.triangle_polygon, double).astype(np.float64)
 
 
 def _with_turned(mesh: PolygonMesh, turned: BoolArray) -> PolygonMesh:
