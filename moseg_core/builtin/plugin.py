@@ -181,6 +181,12 @@ def moseg_writers() -> list[WriterSpec]:
             summary="a shaded picture with a legend",
         ),
         WriterSpec(
+            name="html",
+            target="moseg_core.view.page.writer:write_html",
+            suffixes=(".html",),
+            summary="a page to turn the shape in, with parts and costs; needs no network",
+        ),
+        WriterSpec(
             name="svg",
             target="moseg_core.view.writer:write_svg",
             suffixes=(".svg",),

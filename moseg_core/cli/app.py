@@ -36,7 +36,7 @@ Outputs = Annotated[
     Parameter(
         name=["--out", "-o"],
         negative=(),
-        help="File to write; json, seg, ply, npz, npy, glb, png or svg by suffix. With {part} in"
+        help="File to write: json, html, glb, ply, png, seg, npz, npy, svg by suffix. With {part} in"
         " its name a file for each part: stl, obj, ply or glb. Repeatable.",
     ),
 ]
@@ -154,6 +154,55 @@ def explain(
         label_property=label_property,
         reading=reading,
         as_json=json,
+    )
+
+
+@app.command
+def view(
+    shape: Path,
+    result: Path | None = None,
+    /,
+    *,
+    label_property: str | None = None,
+    reading: ShapeFlags = _SHAPE_AS_READ,
+    out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
+    no_open: Flag = False,
+) -> None:
+    """Turn a labelled shape in the browser: parts, areas, costs; a click places a centre.
+
+    The page is one file that needs no network (docs/page.md).
+
+    Examples
+    --------
+    moseg view horse.off horse.json
+
+    moseg view horse.off mine.seg -o horse.html
+
+    Parameters
+    ----------
+    shape
+        The mesh, point cloud or voxel grid; alone, one that bears its labels (.ply, .glb, .obj), or
+        a result (.json) beside its shape.
+    result
+        Its labels: .json, .seg, .txt, .ply, .npy and others (docs/formats.md). A result of moseg is
+        shown with its costs.
+    label_property
+        Name of the property, column or array that holds the labels, if not a usual one.
+    out
+        File to write, .html; without it, a temporary one is written and opened in the browser.
+    no_open
+        Do not open the browser.
+    """
+    with importing():
+        from moseg_core.cli.view import run_view
+
+    run_view(
+        shape,
+        result,
+        label_property=label_property,
+        reading=reading,
+        out=out,
+        browser=not no_open,
     )
 
 

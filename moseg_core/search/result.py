@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
@@ -15,6 +16,7 @@ from moseg_core.components.segmentation import Segmentation
 from moseg_core.problem.aggregate import Evaluation
 from moseg_core.problem.hierarchy import Hierarchy
 from moseg_core.problem.problem import Problem
+from moseg_core.search.showing import framed, open_page
 from moseg_core.shape.shape import Shape
 from moseg_core.types import Int32Array, IntArray, frozen
 
@@ -93,6 +95,38 @@ class Result:
     def __repr__(self) -> str:
         names = ", ".join(self.problem.labels)
         return f"Result({self.shape.name}: {names}; cost {self.cost:.6g}, {self.reason})"
+
+    def _page(self) -> bytes:
+        """The page of the result, by what writes ``.html``: pictures stand above this room."""
+        component = self.problem.registry.by_suffix("writer", ".html")
+        write = component.load()
+        with component.guard():
+            page: bytes = write(self)
+        return page
+
+    def _repr_html_(self) -> str:
+        """The page of the result in a frame: what a notebook shows of it."""
+        return framed(self._page())
+
+    def show(self) -> Path:
+        """Open the page of the result in the browser.
+
+        Returns
+        -------
+        Path
+            The file that was written for it, in the system's folder for temporary files; a file
+            to keep is made by ``moseg.save(result, "hammer.html")``.
+
+        Raises
+        ------
+        MosegError
+            The file cannot be written.
+
+        Examples
+        --------
+        >>> result.show()  # doctest: +SKIP
+        """
+        return open_page(self._page())[0]
 
     @property
     def cost(self) -> float:

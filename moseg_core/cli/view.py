@@ -1,0 +1,110 @@
+"""``moseg view``: a labelled shape as a page to turn it in, from whatever bears its labels."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from moseg_core.cli.console import message
+from moseg_core.cli.flags import ShapeFlags
+from moseg_core.cli.reading import read_label_property, read_shape
+from moseg_core.components.discovery.registry import registry
+from moseg_core.errors import MosegError, UsageError
+from moseg_core.io import read_labels, read_result, write_file
+from moseg_core.io.files import check_destination
+from moseg_core.search.showing import open_page
+from moseg_core.shape.shape import Shape
+from moseg_core.view.page.content import PageContent, middle_places
+from moseg_core.view.page.document import page_document
+from moseg_core.view.page.html import page_html
+
+
+def run_view(
+    source: Path,
+    labels: Path | None,
+    *,
+    label_property: str | None,
+    reading: ShapeFlags,
+    out: Path | None,
+    browser: bool,
+) -> None:
+    """Read shape and labels, and write the page, or open it."""
+    if out is not None:
+        if out.suffix.lower() not in (".html", ".htm"):
+            asked = f"'{out.suffix}'" if out.suffix else "a file without a suffix"
+            raise UsageError(f"a page is written as .html, not {asked}")
+        check_destination(out)
+    if labels is None and source.suffix.lower() == ".json":
+        shape, labels = _shape_of(source, reading), source
+    else:
+        shape, labels = read_shape(source, reading), source if labels is None else labels
+    for note in shape.notes:
+        message(f"{shape.name}: {note}")
+    page = page_html(page_document(_content(shape, labels, label_property)))
+    if out is not None:
+        write_file(out, page)
+        message(f"wrote {out}")
+        return
+    path, opened = open_page(page, browser=browser)
+    message(f"wrote {path}" + ("" if opened or not browser else "; open it in a browser"))
+
+
+def _content(shape: Shape, path: Path, label_property: str | None) -> PageContent:
+    """What there is to show of the labels in a file: of a result its cost as well."""
+    labelling = read_labels(path, shape, label_property=read_label_property(label_property))
+    for note in labelling.notes:
+        message(note)
+    labels = labelling.labels
+    names = labelling.names or tuple(f"label {k}" for k in range(int(labels.max()) + 1))
+    saved = read_result(path) if _is_result(path) else None
+    if saved is not None and saved.shape.get("fingerprint") != shape.fingerprint:
+        message(f"warning: {path} is a result of another shape, '{saved.shape.get('name')}'")
+    return PageContent(
+        shape=shape,
+        labels=labels,
+        names=names,
+        evaluation=None if saved is None else saved.evaluation,
+        warnings=() if saved is None else saved.warnings,
+        centers=None
+        if saved is not None and saved.statement.parts
+        else middle_places(shape, labels, len(names)),
+    )
+
+
+def _is_result(path: Path) -> bool:
+    """Whether a file is a result of moseg, not labels alone."""
+    if path.suffix.lower() != ".json":
+        return False
+    document = json.loads(path.read_text(encoding="utf-8"))
+    return isinstance(document, dict) and "format" in document
+
+
+def _shape_of(result: Path, reading: ShapeFlags) -> Shape:
+    """The shape of a result, where it lies beside it under the name that the result has for it.
+
+    Raises
+    ------
+    UsageError
+        There is none.
+    """
+    saved = read_result(result)
+    name = str(saved.shape.get("name", ""))
+    suffixes = [
+        suffix
+        for component in registry().components("reader")
+        for suffix in getattr(component.spec, "suffixes", ())
+    ]
+    for path in sorted(result.parent.iterdir()):
+        if path.stem != name or path.suffix.lower() not in suffixes or path == result:
+            continue
+        try:
+            shape = read_shape(path, reading)
+        except MosegError:
+            continue  # some other file of that name
+        if shape.fingerprint == saved.shape.get("fingerprint"):
+            message(f"'{result.name}' is a result of '{path}'")
+            return shape
+    raise UsageError(
+        f"'{result}' holds labels and costs but no geometry, and its shape, '{name}', does not lie"
+        f" beside it; name it first: moseg view SHAPE {result}"
+    )
