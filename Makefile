@@ -5,7 +5,7 @@ BIN := .venv/bin
 STAMP := .venv/.installed
 PLUGINS := $(wildcard plugins/*)
 
-.PHONY: install demo test test-slow lint format benchmark constraints clean
+.PHONY: install demo test test-slow test-browser lint format benchmark constraints clean
 
 install: $(STAMP)
 
@@ -27,10 +27,19 @@ demo: $(STAMP)
 	$(BIN)/moseg evaluate demo/sample.ply demo/hammer.json demo/truth.txt
 
 test: $(STAMP)
-	$(BIN)/python -m pytest -n 2 --dist worksteal -m "not slow"
+	$(BIN)/python -m pytest -n 2 --dist worksteal -m "not slow and not browser"
 
 test-slow: $(STAMP)
-	$(BIN)/python -m pytest -n 2 --dist worksteal -m slow
+	$(BIN)/python -m pytest -n 2 --dist worksteal -m "slow and not browser"
+
+# Pages in Chromium; without it the tests are skipped, unless MOSEG_BROWSER is "required".
+test-browser: $(STAMP) .venv/.browser
+	$(BIN)/python -m pytest tests/browser
+
+.venv/.browser: $(STAMP)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check \
+		-c constraints.txt -e ".[browser]"
+	@touch $@
 
 lint: $(STAMP)
 	$(BIN)/ruff check .
@@ -50,7 +59,7 @@ benchmark: $(STAMP)
 constraints:
 	echo "# Versions that the test suite runs with; made by 'make constraints'." > constraints.txt
 	uv pip compile --universal --quiet --no-header --no-annotate --no-emit-index-url \
-		--no-emit-find-links --python-version 3.11 --extra dev --no-emit-package moseg-core \
+		--no-emit-find-links --python-version 3.11 --extra dev --extra browser --no-emit-package moseg-core \
 		pyproject.toml $(addsuffix /pyproject.toml,$(PLUGINS)) >> constraints.txt
 
 clean:

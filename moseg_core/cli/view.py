@@ -37,7 +37,8 @@ def run_view(
     if labels is None and source.suffix.lower() == ".json":
         shape, labels = _shape_of(source, reading), source
     else:
-        shape, labels = read_shape(source, reading), source if labels is None else labels
+        shape = read_shape(source, reading)
+        labels = _bearing(source) if labels is None else labels
     for note in shape.notes:
         message(f"{shape.name}: {note}")
     page = page_html(page_document(_content(shape, labels, label_property)))
@@ -51,6 +52,8 @@ def run_view(
 
 def _content(shape: Shape, path: Path, label_property: str | None) -> PageContent:
     """What there is to show of the labels in a file: of a result its cost as well."""
+    if not path.exists():
+        raise UsageError(f"'{path}' does not exist")
     labelling = read_labels(path, shape, label_property=read_label_property(label_property))
     for note in labelling.notes:
         message(note)
@@ -69,6 +72,22 @@ def _content(shape: Shape, path: Path, label_property: str | None) -> PageConten
         if saved is not None and saved.statement.parts
         else middle_places(shape, labels, len(names)),
     )
+
+
+def _bearing(source: Path) -> Path:
+    """A shape given alone, which is to bear its labels.
+
+    Raises
+    ------
+    UsageError
+        No such file does.
+    """
+    if source.suffix.lower() not in (".ply", ".obj", ".stl", ".glb", ".gltf"):
+        raise UsageError(
+            f"'{source}' is a shape and bears no labels; name what does after it:"
+            f" moseg view {source} RESULT"
+        )
+    return source
 
 
 def _is_result(path: Path) -> bool:
