@@ -381,3 +381,17 @@ def test_without_webgl_the_tables_are_there(launch, hammer, tmp_path):
     assert "cannot draw in 3D" in page.inner_text("#failure")
     assert page.locator("#parts > tr:not(.detail)").count() == 2
     context.close()
+
+
+def test_a_surface_that_is_divided_anew_is_drawn_so(viewer):
+    """What a page does that goes on with a search."""
+    viewer.page.click("#wires")
+    whole = viewer.seen(HANDLE) + viewer.seen(HEAD)
+    viewer.page.evaluate("moseg.viewer.stage.setLabels(moseg.viewer.stage.labels.map(() => 1))")
+    assert viewer.seen(HANDLE) < 50
+    assert viewer.seen(HEAD) > 0.9 * whole
+    x, y = viewer.point_of(HEAD)
+    box = viewer.page.locator("canvas").bounding_box()
+    assert (
+        viewer.page.evaluate(f"moseg.viewer.stage.partAt({x - box['x']}, {y - box['y']})") == HEAD
+    )

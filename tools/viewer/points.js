@@ -1,14 +1,17 @@
-// How points of a cloud are drawn: small discs that are shaded as if they were balls.
+// How points of a cloud are drawn: discs that are lit as the surface is on which they lie.
 
 import { Color, ShaderMaterial } from "three";
 
 const VERTEX = `
 uniform float size;
 uniform float pixels;
+varying vec3 across;
 void main() {
   vec4 place = modelViewMatrix * vec4(position, 1.0);
   gl_Position = projectionMatrix * place;
   gl_PointSize = max(2.0, size * pixels / -place.z);
+  across = normalMatrix * normal;
+  if (dot(across, place.xyz) > 0.0) across = -across; // either side of a surface is lit
 }`;
 
 const FRAGMENT = `
@@ -16,12 +19,12 @@ uniform vec3 color;
 uniform float glow;
 uniform float plain;
 uniform float opacity;
+varying vec3 across;
 void main() {
-  vec2 across = 2.0 * gl_PointCoord - 1.0;
-  float r = dot(across, across);
-  if (r > 1.0) discard;
-  vec3 normal = vec3(across.x, -across.y, sqrt(1.0 - r));
-  float light = 0.42 + 0.14 * normal.y + 0.5 * max(dot(normal, vec3(-0.47, 0.52, 0.71)), 0.0);
+  vec2 aside = 2.0 * gl_PointCoord - 1.0;
+  if (dot(aside, aside) > 1.0) discard;
+  vec3 normal = normalize(across);
+  float light = 0.36 + 0.16 * normal.y + 0.62 * max(dot(normal, vec3(-0.5, 0.55, 0.67)), 0.0);
   gl_FragColor = vec4(mix(color * (light + glow), color, plain), opacity);
   if (plain < 0.5) {
     #include <colorspace_fragment>

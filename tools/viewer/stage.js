@@ -149,7 +149,9 @@ export class Stage {
         depthWrite: false,
       });
     } else {
+      const normals = gather(this.geometry.normals, members, null);
       buffer.setAttribute("position", new BufferAttribute(gather(positions, members, null), 3));
+      buffer.setAttribute("normal", new BufferAttribute(normals, 3));
       surface = new Points(buffer, pointMaterial({ color, size, pixels }));
       twin = new Points(buffer, pointMaterial({ color: number, size, pixels: cssPixels, plain: true }));
       ghost = pointMaterial({ color: 0x8b95a5, size, pixels, opacity: 0.07 });
@@ -274,7 +276,7 @@ export class Stage {
       if (part.solid.uniforms) part.solid.uniforms.glow.value = glow;
       else part.solid.emissive.copy(part.solid.color).multiplyScalar(glow);
     }
-    this.draw();
+    this.paint();
   }
 
   // -- the viewer -------------------------------------------------------------------------------
@@ -354,9 +356,14 @@ export class Stage {
     this.draw();
   }
 
-  /** Ask for a frame; several requests before it is due are one. */
+  /** Ask for a frame in which places have changed. */
   draw() {
     this.stale = true; // the picture of the parts' numbers
+    this.paint();
+  }
+
+  /** Ask for a frame; several requests before it is due are one. */
+  paint() {
     if (this.asked) return;
     this.asked = requestAnimationFrame(() => {
       this.asked = null;
@@ -440,7 +447,7 @@ export class Stage {
     for (const material of [this.boundaryMaterial, this.wireMaterial]) {
       material?.color.set(dark ? 0x05070a : 0x10151c);
     }
-    this.draw();
+    this.paint();
   }
 }
 

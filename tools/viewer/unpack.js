@@ -30,6 +30,8 @@ export function unpackGeometry(packed) {
     triangles: packed.triangles ? unpackArray(packed.triangles) : null,
     labels: unpackArray(packed.labels),
     elements: packed.elements ? unpackArray(packed.elements) : null,
+    // Of points only; those of triangles are worked out.
+    normals: packed.normals ? Float32Array.from(unpackArray(packed.normals), (x) => x / 127.5 - 1) : null,
     pointSize: (packed.point_size ?? 0) / diagonal,
     toModel: (place) => place.map((x, axis) => x * diagonal + middle[axis]),
     toScene: (place) => place.map((x, axis) => (x - middle[axis]) / diagonal),

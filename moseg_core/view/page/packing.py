@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from moseg_core.shape.cloud import PointCloud
 from moseg_core.shape.geometry import Geometry
@@ -25,6 +26,8 @@ MOST_TRIANGLES = 200_000
 MOST_POINTS = 300_000
 
 _STEPS = 65535
+#: Points that the direction of a surface is estimated from.
+_NEAREST = 14
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -106,12 +109,13 @@ def _packed_points(cloud: PointCloud, labels: IntArray, own: IntArray, most: int
     """The points of a cloud, in file order; of a large one some at equal distances in it."""
     count = cloud.n_elements
     kept = np.arange(count) if count <= most else np.linspace(0, count - 1, most).astype(np.int64)
-    # About as wide as the surface that a point stands for; as in point_bodies.py, few are wider.
-    size = 1.3 * float(np.sqrt(np.median(cloud.areas) * count / len(kept)))
+    # As wide as in point_bodies.py, so that a cloud of even density looks closed.
+    size = 2.0 * float(np.sqrt(np.median(cloud.areas) * count / len(kept)))
     document = {
         **_placed(cloud.vertices[kept]),
         "labels": _encoded(labels[kept]),
         "point_size": size,
+        "normals": _encoded(np.rint((_normals(cloud, kept) + 1.0) * 127.5).astype(np.int64)),
     }
     if len(kept) < count or not np.array_equal(own, kept):
         document["elements"] = _encoded(own[kept])
@@ -122,6 +126,25 @@ def _packed_points(cloud: PointCloud, labels: IntArray, own: IntArray, most: int
         drawn=len(kept),
         known=count,
     )
+
+
+def _normals(cloud: PointCloud, kept: IntArray) -> FloatArray:
+    """(3 n,) unit directions across the surface at some points of a cloud, either way.
+
+    Where they are not known, those in which the nearest points are least spread (Hoppe et al. 1992,
+    doi:10.1145/133994.134011).
+    """
+    if cloud.normals is not None:
+        given = cloud.normals[kept]
+        lengths = np.linalg.norm(given, axis=1, keepdims=True)
+        return (given / np.where(lengths > 0.0, lengths, 1.0)).reshape(-1)
+    places = cloud.vertices[kept]
+    near = cKDTree(places).query(places, k=min(_NEAREST, len(places)))[1].reshape(len(places), -1)
+    around = places[near] - places[near].mean(axis=1, keepdims=True)
+    around /= max(float(np.abs(around).max()), np.finfo(np.float64).tiny)
+    spread = np.einsum("pki,pkj->pij", around, around)
+    directions: FloatArray = np.linalg.eigh(spread)[1][:, :, 0]
+    return directions.reshape(-1)
 
 
 def _placed(places: FloatArray) -> dict[str, Any]:

@@ -64,3 +64,24 @@ def test_of_a_large_cloud_some_points_are_drawn_and_know_their_numbers():
     assert (kept[0], kept[-1]) == (0, 999)
     assert numbers(shown.document["labels"]).tolist() == (kept // 500).tolist()
     np.testing.assert_allclose(places(shown.document), cloud.points[kept], atol=1e-4)
+
+
+def directions(document):
+    return numbers(document["normals"]).reshape(-1, 3) / 127.5 - 1.0
+
+
+def test_points_know_the_direction_of_their_surface():
+    ball = np.random.default_rng(2).normal(size=(3000, 3))
+    ball /= np.linalg.norm(ball, axis=1, keepdims=True)
+    cloud = Shape.from_points(1e3 * ball + 5e4)
+    found = directions(packed(cloud.geometry, np.zeros(3000, np.int64)).document)
+    assert np.abs(np.einsum("pi,pi->p", found, ball)).min() > 0.9
+    given = Shape.from_points(ball, normals=np.tile([0.0, 0.0, 2.0], (3000, 1)))
+    found = directions(packed(given.geometry, np.zeros(3000, np.int64)).document)
+    np.testing.assert_allclose(found, np.tile([0.0, 0.0, 1.0], (3000, 1)), atol=0.01)
+
+
+def test_two_points_are_a_cloud_too():
+    cloud = Shape.from_points([[0, 0, 0], [1, 2, 3]])
+    found = directions(packed(cloud.geometry, np.array([0, 1])).document)
+    np.testing.assert_allclose(np.linalg.norm(found, axis=1), 1.0, atol=0.02)
