@@ -114,6 +114,62 @@ def segment(
 
 
 @app.command
+def tune(
+    shape: Path,
+    recipe: str | None = None,
+    /,
+    *,
+    problem: ProblemFlags = _NO_PROBLEM,
+    reading: ShapeFlags = _SHAPE_AS_READ,
+    search: SearchFlags = _DEFAULT_SEARCH,
+    out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
+    example: Path | None = None,
+    port: int = 0,
+    no_open: Flag = False,
+) -> None:
+    """Find the words for a shape by looking: sliders for weights, centres moved by hand.
+
+    Searches once, then serves the page of the result on this machine alone, until Ctrl-C. Nothing
+    is written but where -o and --example say, when their buttons are pressed.
+
+    Examples
+    --------
+    moseg tune horse.off fourleg -o myhorse.toml --example horse.json
+
+    moseg tune hammer.ply --labels handle,head --minimize "3*narrow(handle) + convex_parts"
+
+    Parameters
+    ----------
+    shape
+        A mesh, point cloud or voxel grid.
+    recipe
+        Name of an installed recipe, or path of a TOML file; as --recipe.
+    out
+        Where "Save recipe" writes the recipe with its new weights (.toml).
+    example
+        Where "Accept as an example" writes the result (.json), for moseg learn.
+    port
+        Where to serve; any that is free by default.
+    no_open
+        Do not open the browser; the address is printed.
+    """
+    with importing():
+        from moseg_core.cli.tune import run_tune
+
+    run_tune(
+        shape,
+        recipe,
+        problem_flags=problem,
+        reading=reading,
+        search=search,
+        out=out,
+        example=example,
+        port=port,
+        browser=not no_open,
+    )
+
+
+@app.command
 def explain(
     source: Path,
     /,

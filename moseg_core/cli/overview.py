@@ -32,6 +32,7 @@ ENTRIES = {
     "recipes": "List installed recipes, or print one as it was shipped, to change it.",
     "sample": "Write a sample shape, to try things on.",
     "segment": "Cut a shape into named parts.",
+    "tune": "Find the words for a shape by looking: sliders for weights, centres moved by hand.",
     "view": "Turn a labelled shape in the browser: parts, areas, costs; a click places a centre.",
     "--help (-h)": "Display this message and exit.",
     "--version": "Display application version.",

@@ -332,6 +332,18 @@ export class Stage {
     this.draw();
   }
 
+  /** Where the camera is and what it looks at, as plain numbers for `lookFrom`. */
+  lookingFrom() {
+    return { from: this.camera.position.toArray(), at: this.controls.target.toArray() };
+  }
+
+  lookFrom({ from, at }) {
+    this.camera.position.fromArray(from);
+    this.controls.target.fromArray(at);
+    this.controls.update();
+    this.draw();
+  }
+
   /** Come nearer, or go away where the factor is over 1. */
   zoom(factor) {
     const { camera, controls } = this;

@@ -7,6 +7,7 @@ import { Centers } from "./centers.js";
 import { percent } from "./numbers.js";
 import { fillHeader, fillParts, fillTerms, make, nameOf } from "./panel.js";
 import { Stage } from "./stage.js";
+import { startTuning } from "./tune.js";
 import { unpackGeometry } from "./unpack.js";
 
 const CLICK = 5; // pixels that a pointer may move between down and up
@@ -26,6 +27,7 @@ function start() {
     choose: (k) => choose(k),
     hide: (k, hidden) => stage?.hide(k, hidden),
   });
+  let tuning = null;
   const dark = followTheme((on) => stage?.setDark(on));
   try {
     stage = new Stage(byId("canvas"), {
@@ -121,6 +123,7 @@ function start() {
       showCenters();
       show();
     }
+    tuning?.moved();
     say(`centre of ${page.parts[part].name} placed`);
   }
 
@@ -243,9 +246,13 @@ function start() {
     const { clientWidth, clientHeight } = canvas;
     if (clientWidth === 0 || clientHeight === 0) return;
     stage.resize(clientWidth, clientHeight);
-    if (!seen) stage.resetView();
+    if (!seen) {
+      stage.resetView();
+      tuning?.resumeView();
+    }
     seen = true;
   }).observe(canvas);
+  if (page.tune) tuning = startTuning(page, { centers, stage });
   show();
   return { page, state, centers, stage };
 }

@@ -22,13 +22,15 @@ from moseg_core.components.discovery.contract import VERSION
 _LONGEST_TITLE = 120
 
 
-def page_html(document: dict[str, Any]) -> bytes:
+def page_html(document: dict[str, Any], *, served: bool = False) -> bytes:
     r"""Write a page.
 
     Parameters
     ----------
     document : dict
         From :func:`moseg_core.view.page.document.page_document`.
+    served : bool
+        Whether the page is served, and may speak to its own server.
 
     Returns
     -------
@@ -45,7 +47,7 @@ def page_html(document: dict[str, Any]) -> bytes:
     policy = (
         f"default-src 'none'; script-src '{_hash(script)}'; style-src '{_hash(style)}';"
         f" img-src data:; base-uri 'none'; form-action 'none'"
-    )
+    ) + ("; connect-src 'self'" if served else "")
     data = json.dumps(document, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
     title = str(document["name"])[:_LONGEST_TITLE].encode(errors="replace").decode()
     return (
