@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import json
-import threading
 import time
+from contextlib import ExitStack
 from http.client import HTTPConnection
 from urllib.parse import urlsplit
 
@@ -13,6 +13,7 @@ import pytest
 import moseg_core as moseg
 from moseg_core.errors import UsageError
 from moseg_core.tune.server import Destinations, TuneServer
+from tests.tune.conftest import serving
 
 
 class Client:
@@ -57,19 +58,14 @@ def said():
 
 @pytest.fixture
 def serve(session, said):
-    ended = []
+    with ExitStack() as open_servers:
 
-    def start(**destinations):
-        server = TuneServer(session, Destinations(**destinations), say=said.append)
-        thread = threading.Thread(target=server.serve)
-        thread.start()
-        ended.append((server, thread))
-        return Client(server)
+        def start(**destinations):
+            server = TuneServer(session, Destinations(**destinations), say=said.append)
+            open_servers.enter_context(serving(server))
+            return Client(server)
 
-    yield start
-    for server, thread in ended:
-        server.close()
-        thread.join()
+        yield start
 
 
 def test_the_page_has_the_result_and_a_slider_for_each_term(serve):
