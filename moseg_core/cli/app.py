@@ -36,8 +36,8 @@ Outputs = Annotated[
     Parameter(
         name=["--out", "-o"],
         negative=(),
-        help="File to write: json, html, glb, ply, png, seg, npz, npy, svg by suffix. With {part} in"
-        " its name a file for each part: stl, obj, ply or glb. Repeatable.",
+        help="File to write: json, html, glb, ply, png, seg, npz, npy, svg by suffix. With {part}"
+        " in its name a file for each part: stl, obj, ply or glb. Repeatable.",
     ),
 ]
 _NO_PROBLEM = ProblemFlags()
