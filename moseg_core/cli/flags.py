@@ -94,12 +94,17 @@ class ShapeFlags:
         box's diagonal: 1e-8 by default; 0 joins equal ones only.
     voxels
         Whether all cells of a voxel grid are elements, or only those of its surface.
+    up
+        Which axis of the file points up; y in glTF files, else not known.
     """
 
     adjacency: Literal["auto", "knn", "none"] = "auto"
     volume: str | None = None
     weld: float | None = None
     voxels: Literal["solid", "surface"] = "solid"
+    up: Annotated[
+        Literal["x", "y", "z", "-x", "-y", "-z"] | None, Parameter(allow_leading_hyphen=True)
+    ] = None
 
 
 @Parameter(name="*", group=_SEARCHED)

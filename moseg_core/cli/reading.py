@@ -41,5 +41,7 @@ def read_shape(path: Path, flags: ShapeFlags) -> Shape:
         shape = shape.with_weld(flags.weld)
     if flags.voxels == "surface" and shape.solid:
         shape = shape.with_elements("surface")
+    if flags.up is not None:
+        shape = shape.with_up(flags.up)
     shape = shape.with_adjacency(flags.adjacency)
     return shape if flags.volume is None else shape.with_volume(flags.volume)

@@ -25,6 +25,7 @@ from moseg_core.shape.geometry import Geometry
 from moseg_core.shape.hull_corners import HullCorners, find_hull_corners
 from moseg_core.shape.links import Links, find_links
 from moseg_core.shape.mesh import PolygonMesh
+from moseg_core.shape.up import Up
 from moseg_core.shape.volume.volume import Source, Volume
 from moseg_core.types import FloatArray, IntArray, frozen
 
@@ -90,6 +91,8 @@ class ShapeData:
         where the elements are those of the input.
     members : (F of `fine`,) int or None
         For each element of `fine` the element here that it belongs to.
+    up : {"x", "-x", "y", "-y", "z", "-z"} or None
+        The axis that points up, where a file or the user says so (:mod:`moseg_core.shape.up`).
     """
 
     points: FloatArray
@@ -107,6 +110,7 @@ class ShapeData:
     original: Self | None = None
     fine: Self | None = None
     members: IntArray | None = None
+    up: Up | None = None
     name: str = field(default="shape")
 
     def __post_init__(self) -> None:
@@ -302,7 +306,7 @@ class ShapeData:
     def key(self) -> tuple[object, ...]:
         """What tells this shape from all others in the key of a remembered value."""
         volume = (self.enclosed.value, self.enclosed.source)
-        return (self.fingerprint, *volume, self._links, self.space, self.resolution)
+        return (self.fingerprint, *volume, self._links, self.space, self.resolution, self.up)
 
     @cached_property
     def _links(self) -> str:

@@ -41,6 +41,7 @@ from moseg_core.shape.geometry import Geometry
 from moseg_core.shape.mesh import MOST_WELD, PolygonMesh
 from moseg_core.shape.moments import element_moments
 from moseg_core.shape.positions import WELD
+from moseg_core.shape.up import checked_up
 from moseg_core.shape.volume.derived import deformed_volume
 from moseg_core.shape.volume.enclosed import enclosed_volume
 from moseg_core.shape.volume.estimated import estimated_volume
@@ -372,6 +373,28 @@ class Shape(ShapeData):
         note = f"{_ESTIMATE} {estimate.value:.6g}, {words}"
         return replace(self, enclosed=estimate, notes=(*kept, note))
 
+    def with_up(self, up: str | None) -> Shape:
+        """The same shape with another axis pointing up; nothing is turned.
+
+        Parameters
+        ----------
+        up : {"x", "-x", "y", "-y", "z", "-z"} or None
+            An axis of the shape's own coordinates; None where it is not known.
+
+        Raises
+        ------
+        UsageError
+            There is no such axis.
+
+        Examples
+        --------
+        >>> shape = Shape.from_points([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]])
+        >>> shape.up, shape.with_up("-z").up
+        (None, '-z')
+        """
+        axis = None if up is None else checked_up(up)
+        return self if axis == self.up else replace(self, up=axis)
+
     def with_weld(self, weld: float) -> Shape:
         """The same mesh, its vertices joined within another distance.
 
@@ -399,7 +422,8 @@ class Shape(ShapeData):
             raise ShapeError(
                 f"'{self.name}' is a {self.geometry.kind}; only of a mesh can vertices be joined"
             )
-        return Shape.from_polygon_mesh(self.geometry.welded(weld), name=self.name)
+        welded = Shape.from_polygon_mesh(self.geometry.welded(weld), name=self.name)
+        return replace(welded, up=self.up)
 
     def with_elements(self, elements: Elements) -> Shape:
         """The same voxel grid with all cells as elements, or only those of its surface.
@@ -421,7 +445,7 @@ class Shape(ShapeData):
                 f"'{self.name}' is a {grid.kind}; only of a voxel grid can the elements be"
                 f" '{elements}'"
             )
-        return Shape.from_voxels(
+        other = Shape.from_voxels(
             grid.occupied,
             pitch=grid.pitch,
             origin=grid.origin,
@@ -429,6 +453,7 @@ class Shape(ShapeData):
             name=self.name,
             notes=grid.notes,
         )
+        return replace(other, up=self.up)
 
     def deformed(self, vertices: FloatArray, *, space: str) -> Shape:
         """The same elements with their vertices elsewhere, as in an embedding (Sec. 9).
@@ -448,7 +473,8 @@ class Shape(ShapeData):
             of this one. Where this one has a volume, that of the deformed surface is its absolute
             signed volume, its holes capped, so that what folds over counts with its sign; where
             its faces are not known to be oriented alike, it is an estimate afresh, or there is
-            none (:mod:`moseg_core.shape.volume.derived`).
+            none (:mod:`moseg_core.shape.volume.derived`). Which way is up is not known of it: an
+            embedding may turn.
 
         Raises
         ------

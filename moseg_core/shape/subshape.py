@@ -78,6 +78,7 @@ def subshape(shape: Shape, elements: IntArray, *, name: str | None = None) -> Sh
         adjacency_source=shape.adjacency_source,
         enclosed=volume,
         notes=(),  # the whole has said it
+        up=shape.up,
     )
 
 

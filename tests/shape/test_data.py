@@ -57,6 +57,7 @@ def test_what_tells_shapes_apart():
         BALL.with_adjacency("none"),
         BALL.with_volume(4.0),
         BALL.with_volume(BALL.volume),  # the same value, but known otherwise
+        BALL.with_up("z"),
         Shape.from_mesh(*shapes.sphere(2)),
     ]
     assert len({shape.key for shape in known}) == len(known)

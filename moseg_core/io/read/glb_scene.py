@@ -45,7 +45,8 @@ def read_glb(path: Path) -> Shape:
     Returns
     -------
     Shape
-        Named after the file, in the scene's units (metres, by the format's definition).
+        Named after the file, in the scene's units (metres, by the format's definition), and with
+        y up, likewise.
 
     Raises
     ------
@@ -76,13 +77,14 @@ def read_glb(path: Path) -> Shape:
             corners.append(triangles + n_points)
             n_points += len(vertices)
     flat = np.concatenate(corners).reshape(-1)
-    return shape_from_polygons(
+    shape = shape_from_polygons(
         path,
         np.concatenate(points),
         flat,
         np.arange(0, len(flat) + 1, 3),
         notes=[*glb.notes, *(f"{what}: {count}; {done}" for (what, done), count in found.items())],
     )
+    return shape.with_up("y")
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -16,7 +16,7 @@ def corners_of(shape) -> np.ndarray:
 
 def test_a_plain_file(as_file):
     shape = read_glb(as_file("tetra.glb", one_node()))
-    assert shape.name == "tetra"
+    assert (shape.name, shape.up) == ("tetra", "y")
     np.testing.assert_array_equal(corners_of(shape), CORNERS[FACES])
     assert shape.volume == pytest.approx(0.25)
 
