@@ -56,7 +56,11 @@ def run_field(
         format = path.suffix.lower()
         if format == ".png":
             data = render_field(
-                shape.geometry, values, title=f"{title} on {shape.name}", mean=summary.mean
+                shape.geometry,
+                values,
+                title=f"{title} on {shape.name}",
+                mean=summary.mean,
+                up=shape.up,
             )
         else:
             data = encode_field(shape, values, format.removeprefix("."))

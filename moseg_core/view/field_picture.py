@@ -14,10 +14,12 @@ import numpy.typing as npt
 
 from moseg_core.errors import ShapeError
 from moseg_core.shape.geometry import Geometry
+from moseg_core.shape.up import Up
 from moseg_core.view.legend import draw_ramp
-from moseg_core.view.picture import draw_two_sides
+from moseg_core.view.picture import draw_sides
 from moseg_core.view.point_bodies import drawable
 from moseg_core.view.ramp import ramp, shades
+from moseg_core.view.upright import find_standing
 
 if TYPE_CHECKING:
     from PIL.ImageDraw import ImageDraw
@@ -30,6 +32,7 @@ def render_field(
     title: str = "",
     mean: float | None = None,
     size: tuple[int, int] = (1400, 700),
+    up: Up | None = None,
 ) -> bytes:
     """Draw a shape from two sides, coloured by a number of each element.
 
@@ -43,6 +46,8 @@ def render_field(
     mean : float, optional
         Marked in the legend, between the least and the greatest value.
     size : (int, int), pixels
+    up : {"x", "-x", "y", "-y", "z", "-z"}, optional
+        The axis that points up; guessed where it is not given, which the picture says.
 
     Returns
     -------
@@ -79,6 +84,14 @@ def render_field(
         return draw_ramp(draw, ramp(), *ends, middle=middle, size=size, pad=pad)
 
     same = np.zeros(mesh.n_elements, np.int64)
-    return draw_two_sides(
-        drawable(mesh), same, shades(array), ramp(), legend=legend, title=title, size=size
+    drawn = drawable(mesh)
+    return draw_sides(
+        drawn,
+        same,
+        shades(array),
+        ramp(),
+        legend=legend,
+        title=title,
+        size=size,
+        standing=find_standing(drawn, up),
     )

@@ -38,7 +38,9 @@ class LegendEntry:
     absent: bool = False
 
 
-def draw_title(draw: ImageDraw, title: str, *, size: tuple[int, int], pad: int) -> int:
+def draw_title(
+    draw: ImageDraw, title: str, *, size: tuple[int, int], pad: int, beside: int = 0
+) -> int:
     """Write a title, shortened where it is too long, at the top left of a picture.
 
     Parameters
@@ -49,6 +51,8 @@ def draw_title(draw: ImageDraw, title: str, *, size: tuple[int, int], pad: int) 
         Width and height of the picture.
     pad : int, pixels
         Free space around it.
+    beside : int, pixels
+        Room on the right that is taken.
 
     Returns
     -------
@@ -59,8 +63,8 @@ def draw_title(draw: ImageDraw, title: str, *, size: tuple[int, int], pad: int) 
     if not text:
         return 0
     width, height = size
-    font = _font(max(13, height // 26))
-    draw.text((pad, pad), _shortened(text, font, width - 2 * pad), fill=_DARK, font=font)
+    font = _font(max(13, round(min(width / 42, height / 16))))
+    draw.text((pad, pad), _shortened(text, font, width - 2 * pad - beside), fill=_DARK, font=font)
     return pad + _line_height(font)
 
 
@@ -96,7 +100,7 @@ def draw_legend(
     width, height = size
     if not entries:
         return height
-    for em in range(max(13, height // 34), 10, -1):
+    for em in range(_em(size), 10, -1):
         font = _font(em)
         line = _line_height(font) * 5 // 4
         widest = min(width / 3, max(width / 6, 12 * em))
@@ -168,7 +172,7 @@ def draw_ramp(
         Where the room above ends.
     """
     width, height = size
-    font = _font(max(13, height // 34))
+    font = _font(_em(size))
     line = _line_height(font) * 5 // 4
     top = height - pad - 2 * line
     left, right = pad, width - pad
@@ -189,6 +193,39 @@ def draw_ramp(
         start = min(start, right - lengths[1] - pad - length)
         draw.text((start, top + line), text, fill=_DARK, font=font)
     return top
+
+
+def draw_caption(
+    draw: ImageDraw, text: str, *, size: tuple[int, int], at: tuple[int, int], right: bool = False
+) -> int:
+    """Write a few small, faint words.
+
+    Parameters
+    ----------
+    draw : PIL.ImageDraw.ImageDraw
+    text : str
+    size : (int, int), pixels
+        Width and height of the picture.
+    at : (int, int), pixels
+        The upper left corner of the words, or the upper right one.
+    right : bool
+        Whether it is the right one.
+
+    Returns
+    -------
+    int, pixels
+        How long they are.
+    """
+    font = _font(max(11, round(0.75 * _em(size))))
+    words = one_line(text)
+    draw.text(at, words, fill=_FAINT, font=font, anchor="ra" if right else "la")
+    return math.ceil(font.getlength(words))
+
+
+def _em(size: tuple[int, int]) -> int:
+    """Height of the words of a picture: one that is shown at 600 pixels has them at 12 or more."""
+    width, height = size
+    return max(13, round(min(width / 48, height / 20)))
 
 
 def one_line(text: str) -> str:

@@ -1,8 +1,9 @@
 """The picture of a segmentation, drawn without screen, GPU or GL.
 
-A shape is drawn from two opposite sides (:mod:`moseg_core.view.camera`) next to each other, each
-part in its own colour (:mod:`moseg_core.view.palette`), above a legend of names and shares of the
-area. Each view is one z-buffer at three times the final size (:mod:`moseg_core.view.raster`),
+A shape is drawn upright (:mod:`moseg_core.view.upright`) from two opposite sides, or others
+(:mod:`moseg_core.view.views`), next to each other, each part in its own colour
+(:mod:`moseg_core.view.palette`), above a legend of names and shares of the area. Each view is one
+z-buffer at three times the final size (:mod:`moseg_core.view.raster`),
 from which follow
 
 - the light: diffuse, from over the viewer's left shoulder, over a soft ambient, on the side of a
@@ -28,12 +29,15 @@ from scipy import ndimage
 from moseg_core.errors import UsageError
 from moseg_core.shape.geometry import Geometry
 from moseg_core.shape.labels import checked_labels
-from moseg_core.types import BoolArray, FloatArray, Int32Array, IntArray
-from moseg_core.view.camera import Camera, choose_cameras
-from moseg_core.view.legend import LegendEntry, draw_legend, draw_title
+from moseg_core.shape.up import checked_up
+from moseg_core.types import UNLABELLED, BoolArray, FloatArray, Int32Array, IntArray
+from moseg_core.view.camera import Camera, best_columns, choose_cameras
+from moseg_core.view.legend import LegendEntry, draw_caption, draw_legend, draw_title
 from moseg_core.view.normals import corner_normals
 from moseg_core.view.palette import linear_light, part_colors
 from moseg_core.view.raster import interpolate, rasterize
+from moseg_core.view.upright import Standing, find_standing
+from moseg_core.view.views import USUAL, View, rotations_of
 
 if TYPE_CHECKING:
     from PIL.ImageDraw import ImageDraw
@@ -43,6 +47,9 @@ _SMALLEST, _LARGEST = (240, 160), (4000, 2000)
 # Samples per pixel and direction; fewer for pictures that would take gigabytes.
 _SAMPLES, _FEWER_SAMPLES, _MANY_PIXELS = 3, 2, 2_000_000
 
+
+#: What has no label is called, and its colour.
+_NO_LABEL, _GREY = "no label", (190, 190, 190)
 
 # Right, up and towards the viewer.
 _KEY_LIGHT = np.array([-0.50, 0.55, 0.67])
@@ -65,14 +72,18 @@ def render_picture(
     title: str = "",
     size: tuple[int, int] = (1400, 700),
     areas: FloatArray | None = None,
+    up: str | Standing | None = None,
+    views: Sequence[View] | int = USUAL,
+    transparent: bool = False,
+    legend: bool = True,
 ) -> bytes:
-    """Draw a segmented shape from two sides, with a legend.
+    """Draw a segmented shape from two sides, or others, with a legend.
 
     Parameters
     ----------
     mesh : Geometry
     labels : (F,) array_like of int
-        The part of each element, 0 to ``len(names) - 1``.
+        The part of each element, 0 to ``len(names) - 1``; -1 has none, and is grey.
     names : sequence of str
         One for each part; a part may be empty, and is then greyed in the legend.
     title : str
@@ -81,6 +92,15 @@ def render_picture(
         Width and height of the picture.
     areas : (F,) float, optional
         How much each element counts in the legend; the area of its triangles by default.
+    up : {"x", "-x", "y", "-y", "z", "-z"}, optional
+        The axis that points up; guessed where it is not given, which the picture says.
+    views : sequence of str, or int
+        From where to look, of "main", "opposite", "front", "back", "left", "right", "top" and
+        "bottom"; or a number of views all around.
+    transparent : bool
+        Whether the background is left out instead of white.
+    legend : bool
+        Whether to write which colour is which part.
 
     Returns
     -------
@@ -92,7 +112,7 @@ def render_picture(
     ShapeError
         Not one integer label per element, or a label without a name.
     UsageError
-        A size below 240 x 160 or above 4000 x 2000 pixels.
+        A size below 240 x 160 or above 4000 x 2000 pixels; an axis that is none.
 
     Examples
     --------
@@ -102,17 +122,65 @@ def render_picture(
     >>> render_picture(square, [0], ["all of it"])[1:4]
     b'PNG'
     """
-    label = checked_labels(mesh, labels, len(names)).astype(np.int64)
-    colors = part_colors(len(names))
+    label, names, colors = _with_unlabelled(mesh, labels, names)
     entries = _legend(_triangle_areas(mesh) if areas is None else areas, label, names)
 
-    def legend(draw: ImageDraw, /, *, size: tuple[int, int], pad: int) -> int:
-        return draw_legend(draw, entries, colors, size=size, pad=pad)
+    def words(draw: ImageDraw, /, *, size: tuple[int, int], pad: int) -> int:
+        return draw_legend(draw, entries, colors, size=size, pad=pad) if legend else size[1]
 
-    return draw_two_sides(mesh, label, label, colors, legend=legend, title=title, size=size)
+    return draw_sides(
+        mesh,
+        label,
+        label,
+        colors,
+        legend=words,
+        title=title,
+        size=size,
+        standing=_standing(mesh, up),
+        views=views,
+        transparent=transparent,
+        captioned=legend,
+    )
 
 
-def draw_two_sides(
+def _with_unlabelled(
+    mesh: Geometry, labels: npt.ArrayLike, names: Sequence[str]
+) -> tuple[IntArray, list[str], npt.NDArray[np.uint8]]:
+    """Labels, names and colours, with a grey one more for elements that have no label."""
+    given = np.asarray(labels)
+    colors, names = part_colors(len(names)), list(names)
+    without = given == UNLABELLED
+    if without.any():
+        given = np.where(without, len(names), given)
+        names.append(_NO_LABEL)
+        colors = np.concatenate([colors, np.array([_GREY], np.uint8)])
+    return checked_labels(mesh, given, len(names)).astype(np.int64), names, colors
+
+
+def _standing(mesh: Geometry, up: str | Standing | None) -> Standing:
+    if isinstance(up, Standing):
+        return up
+    return find_standing(mesh, None if up is None else checked_up(up))
+
+
+def checked_size(size: tuple[int, int]) -> tuple[int, int]:
+    """Width and height of a picture that can be drawn.
+
+    Raises
+    ------
+    UsageError
+        Below 240 x 160 or above 4000 x 2000 pixels.
+    """
+    width, height = (int(side) for side in size)
+    if not (_SMALLEST[0] <= width <= _LARGEST[0] and _SMALLEST[1] <= height <= _LARGEST[1]):
+        raise UsageError(
+            f"a picture of {width} x {height} pixels cannot be drawn; allowed are"
+            f" {_SMALLEST[0]} x {_SMALLEST[1]} to {_LARGEST[0]} x {_LARGEST[1]}"
+        )
+    return width, height
+
+
+def draw_sides(
     mesh: Geometry,
     labels: IntArray,
     shades: IntArray,
@@ -121,8 +189,12 @@ def draw_two_sides(
     legend: Legend,
     title: str,
     size: tuple[int, int],
+    standing: Standing,
+    views: Sequence[View] | int = USUAL,
+    transparent: bool = False,
+    captioned: bool = True,
 ) -> bytes:
-    """Draw a shape whose elements have colours from two sides, over a legend.
+    """Draw a shape whose elements have colours from several sides, over a legend.
 
     Parameters
     ----------
@@ -136,6 +208,11 @@ def draw_two_sides(
         Draws at the bottom; returns where the room above ends.
     title : str
     size : (int, int), pixels
+    standing : Standing
+    views : sequence of View, or int
+    transparent : bool
+    captioned : bool
+        Whether views that were asked for are named, and an up that was guessed is said to be.
 
     Returns
     -------
@@ -149,27 +226,36 @@ def draw_two_sides(
     """
     from PIL import Image, ImageDraw
 
-    width, height = (int(side) for side in size)
-    if not (_SMALLEST[0] <= width <= _LARGEST[0] and _SMALLEST[1] <= height <= _LARGEST[1]):
-        raise UsageError(
-            f"a picture of {width} x {height} pixels cannot be drawn; allowed are"
-            f" {_SMALLEST[0]} x {_SMALLEST[1]} to {_LARGEST[0]} x {_LARGEST[1]}"
-        )
-    image = Image.new("RGB", (width, height), "white")
+    width, height = checked_size(size)
+    image = Image.new("RGBA", (width, height), (255, 255, 255, 0 if transparent else 255))
     draw = ImageDraw.Draw(image)
     pad = max(8, height // 35)
-    top = draw_title(draw, title, size=(width, height), pad=pad)
+    taken = 0
+    if captioned and standing.guessed:
+        at = width - pad, pad
+        taken = pad + draw_caption(draw, standing.said, size=(width, height), at=at, right=True)
+    top = draw_title(draw, title, size=(width, height), pad=pad, beside=taken)
     bottom = legend(draw, size=(width, height), pad=pad)
 
+    rotations = rotations_of(mesh, views, standing.up)
+    room = width, max(1, bottom - top)
+    columns = best_columns(mesh, rotations, width=room[0], height=room[1])
+    rows = -(-len(rotations) // columns)
+    pane = width // columns, max(1, room[1] // rows)
+    samples = _SAMPLES if pane[0] * pane[1] * len(rotations) <= _MANY_PIXELS else _FEWER_SAMPLES
+    cameras = choose_cameras(mesh, rotations, width=pane[0] * samples, height=pane[1] * samples)
     normals = corner_normals(mesh, labels)
-    samples = _SAMPLES if width * height <= _MANY_PIXELS else _FEWER_SAMPLES
-    pane = width // 2, max(1, bottom - top)
-    cameras = choose_cameras(mesh, width=pane[0] * samples, height=pane[1] * samples)
+    named = () if isinstance(views, int) or set(views) <= set(USUAL) else views
     for k, camera in enumerate(cameras):
-        view = _draw_view(mesh, labels, shades, normals, colors, camera, samples)
-        image.paste(Image.fromarray(view), (k * (width - pane[0]), top))
+        row, column = divmod(k, columns)
+        corner = column * (width - pane[0]) // max(1, columns - 1), top + row * pane[1]
+        view = _draw_view(mesh, labels, shades, normals, colors, camera, samples, transparent)
+        image.alpha_composite(Image.fromarray(view), corner)
+        if captioned and named:
+            place = corner[0] + pad, corner[1] + pad
+            draw_caption(draw, named[k], size=(width, height), at=place)
     buffer = io.BytesIO()
-    image.save(buffer, format="PNG")
+    (image if transparent else image.convert("RGB")).save(buffer, format="PNG")
     return buffer.getvalue()
 
 
@@ -181,8 +267,9 @@ def _draw_view(
     colors: npt.NDArray[np.uint8],
     camera: Camera,
     samples: int,
+    transparent: bool,
 ) -> npt.NDArray[np.uint8]:
-    """(h, w, 3) sRGB picture of one view; the camera's size is a multiple of it."""
+    """(h, w, 4) sRGB picture of one view and what it covers; the camera's size is a multiple."""
     seen = camera.project(mesh.vertices)[mesh.triangles]
     triangle, depth = rasterize(seen, camera.width, camera.height)
     normal = normals @ camera.rotation.T
@@ -199,13 +286,25 @@ def _draw_view(
     light *= _lines(part, depth, samples)
 
     palette = np.concatenate([linear_light(colors), np.ones((1, 3))]).astype(np.float32)
-    light[~shown] = 1.0
-    view = np.empty((camera.height // samples, camera.width // samples, 3))
+    view = np.ones((camera.height // samples, camera.width // samples, 4))
+    covered = _averaged(shown.astype(np.float64), samples)
+    behind = 0.0 if transparent else 1.0
     for channel in range(3):
-        shaded = palette[:, channel][shade] * light
-        blocks = shaded.reshape(view.shape[0], samples, view.shape[1], samples)
-        view[:, :, channel] = blocks.mean(axis=(1, 3))
-    return _srgb(view)
+        shaded = np.where(shown, palette[:, channel][shade] * light, behind)
+        view[:, :, channel] = _averaged(shaded, samples)
+    if transparent:
+        view[:, :, :3] /= np.maximum(covered, 1e-9)[:, :, None]
+    drawn = _srgb(view)
+    if transparent:
+        drawn[:, :, 3] = np.rint(covered * 255.0)
+    return drawn
+
+
+def _averaged(values: FloatArray, samples: int) -> FloatArray:
+    """(h, w) mean of the samples of each pixel."""
+    height, width = (side // samples for side in values.shape)
+    mean: FloatArray = values.reshape(height, samples, width, samples).mean(axis=(1, 3))
+    return mean
 
 
 def _light(normal: FloatArray) -> npt.NDArray[np.float32]:

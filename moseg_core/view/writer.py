@@ -14,7 +14,12 @@ def write_png(result: Result) -> bytes:
     surface, labels = result.surface
     areas = None if result.shape.has_surface else result.shape.areas
     return render_picture(
-        drawable(surface), labels, result.problem.labels, title=title, areas=areas
+        drawable(surface),
+        labels,
+        result.problem.labels,
+        title=title,
+        areas=areas,
+        up=result.shape.up,
     )
 
 

@@ -1,4 +1,4 @@
-"""Views that follow from the shape alone, whichever way it lies in its file."""
+"""How shapes lie before a viewer, and cameras at which they fit the picture."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ from hypothesis.extra import numpy as hnp
 from scipy.spatial.transform import Rotation
 
 from moseg_core.shape.mesh import PolygonMesh
-from moseg_core.view.camera import Camera, choose_cameras, standing_axes
+from moseg_core.view.camera import Camera, best_columns, choose_cameras, standing_axes
+from moseg_core.view.views import USUAL, rotations_of
 
 
 def boxes(*pieces):
@@ -41,8 +42,10 @@ def mesh_of(vertices, faces):
     return PolygonMesh.from_faces(vertices, np.asarray(faces))
 
 
-def views(vertices, faces, *, width=300, height=200):
-    return choose_cameras(mesh_of(vertices, faces), width=width, height=height)
+def views(vertices, faces, *, width=300, height=200, up=None, margin=0.05):
+    mesh = mesh_of(vertices, faces)
+    rotations = rotations_of(mesh, USUAL, up)
+    return choose_cameras(mesh, rotations, width=width, height=height, margin=margin)
 
 
 @settings(max_examples=60, deadline=None)
@@ -63,7 +66,7 @@ def test_any_shape_fits_both_pictures(vertices, width, height):
 
 def test_the_shape_fills_the_picture_up_to_the_margin():
     vertices, faces = ANIMAL
-    for camera in choose_cameras(mesh_of(*ANIMAL), width=400, height=900, margin=0.1):
+    for camera in views(*ANIMAL, width=400, height=900, margin=0.1):
         seen = camera.project(vertices[np.unique(faces)])
         assert seen[:, 0].min() == pytest.approx(40)
         assert seen[:, 0].max() == pytest.approx(360)
@@ -121,6 +124,35 @@ def test_an_animal_stands_on_its_feet(turn):
     upright = axes @ turn @ [0, 0, 1]
     # The feet are level to a degree, though the head makes the principal axes lean.
     assert upright[1] > np.cos(np.radians(1))
+
+
+@settings(max_examples=25, deadline=None)
+@given(turn=turns(), up=st.sampled_from([[0, 0, 1], [0, 1, 0], [0, -1, 0], [1, 0, 0]]))
+def test_a_shape_stands_the_way_that_it_is_told_to(turn, up):
+    vertices, faces = ANIMAL
+    axes = standing_axes((vertices @ turn.T)[faces], turn @ up)
+    np.testing.assert_allclose(axes @ turn @ up, [0, 1, 0], atol=1e-9)
+    np.testing.assert_allclose(axes @ axes.T, np.eye(3), atol=1e-9)
+    assert np.linalg.det(axes) > 0
+    # Of what is level the longest lies across.
+    level = np.abs(axes @ turn @ [1, 0, 0])
+    assert up[0] or level[0] > 0.9
+
+
+def test_what_is_round_keeps_an_axis_of_the_file():
+    sphere = trimesh.creation.icosphere(subdivisions=2)
+    axes = standing_axes(np.array(sphere.vertices)[sphere.faces], np.array([0.0, 0.0, 1.0]))
+    np.testing.assert_allclose(np.sort(np.abs(axes).ravel()), [0] * 6 + [1] * 3, atol=1e-9)
+
+
+def test_views_are_in_as_many_columns_as_make_them_large():
+    long, faces = boxes(([10, 1, 1], [0, 0, 0]))
+    rotations = [np.eye(3)] * 4
+    counts = [
+        best_columns(mesh_of(long, faces), rotations, width=width, height=300)
+        for width in (100, 1200, 4000, 12000)
+    ]
+    assert counts == [1, 2, 2, 4]
 
 
 def test_a_mirror_image_is_not_shown_in_a_mirror():

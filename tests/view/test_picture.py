@@ -163,8 +163,8 @@ def test_legend_gives_shares_of_the_area(monkeypatch):
 
 def test_the_title_is_written_at_the_top_left():
     mesh = cone()
-    without = draw(mesh, halves(mesh))
-    titled = draw(mesh, halves(mesh), title="a cone")
+    without = draw(mesh, halves(mesh), up="x")
+    titled = draw(mesh, halves(mesh), title="a cone", up="x")
     assert (without[:24] == 255).all()
     assert (titled[:24, :120] < 100).any()
     assert (titled[:24, 120:] == 255).all()
