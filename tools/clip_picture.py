@@ -25,6 +25,7 @@ from moseg_core.view.picture import render_picture
 
 DESTINATION = Path(__file__).resolve().parent.parent / "docs" / "images" / "clip.png"
 SIZE = (1400, 560)
+HALF = SIZE[0] // 2, SIZE[1]
 BOUNDARY = ("head", "body")
 #: A centre, in units of the sample, and a weight for each part.
 CENTERS = {
@@ -77,14 +78,11 @@ def drawn(result: moseg.Result, faces: np.ndarray, title: str) -> Image.Image:
     piece = PolygonMesh.from_faces(mesh.vertices, mesh.triangles[faces[mesh.triangle_polygon]])
     two = [result.problem.labels.index(name) for name in BOUNDARY]
     part = (labels[faces] == two[1]).astype(int)
-    both = Image.open(io.BytesIO(render_picture(piece, part, BOUNDARY, title=title, size=SIZE)))
-    # Two views stand side by side between title and legend, both at the left: the second view,
-    # which is the outside of the surface, under and over the strips of the first.
-    half, strip = SIZE[0] // 2, 52
-    picture = both.crop((half, 0, SIZE[0], SIZE[1]))
-    picture.paste(both.crop((0, 0, half, strip)), (0, 0))
-    picture.paste(both.crop((0, SIZE[1] - strip, half, SIZE[1])), (0, SIZE[1] - strip))
-    return picture
+    # The second view is the outside of the surface.
+    picture = render_picture(
+        piece, part, BOUNDARY, title=title, size=HALF, up="y", views=["opposite"]
+    )
+    return Image.open(io.BytesIO(picture))
 
 
 def main() -> None:

@@ -123,6 +123,7 @@ def picture(word: str) -> Image.Image:
             names,
             title=f"{word}: {shown.value:.2f}",
             size=SIZE,
+            up="y",
         )
         whole.paste(Image.open(io.BytesIO(drawn)).convert("RGB"), (k * SIZE[0], 0))
     return whole.quantize(COLOURS)

@@ -19,8 +19,9 @@ from moseg_core.cli.flags import (
     ShapeFlags,
     SteeringFlags,
 )
-from moseg_core.cli.overview import EPILOGUE, PURPOSE, VERSION_LINE
+from moseg_core.cli.overview import ENTRIES, EPILOGUE, PURPOSE, VERSION_LINE
 from moseg_core.cli.plugin_app import plugin_app
+from moseg_core.cli.waiting import waiting
 
 app = App(
     name="moseg",
@@ -92,7 +93,7 @@ def segment(
     quiet
         Print no messages, progress or tables.
     """
-    with importing():
+    with importing(), waiting("starting", quiet=quiet):
         from moseg_core.cli.console import announcing_compilation
         from moseg_core.cli.profile import printing_profile
         from moseg_core.cli.segment import run_segment
@@ -200,7 +201,7 @@ def explain(
     json
         Print JSON instead of a table.
     """
-    with importing():
+    with importing(), waiting("starting"):
         from moseg_core.cli.explain import run_explain
 
     run_explain(
@@ -304,7 +305,7 @@ def evaluate(
     json
         Print JSON instead of tables.
     """
-    with importing():
+    with importing(), waiting("starting"):
         from moseg_core.cli.evaluate import run_evaluate
 
     run_evaluate(
@@ -315,6 +316,71 @@ def evaluate(
         rename=rename,
         label_property=label_property,
         as_json=json,
+    )
+
+
+@app.command
+def render(
+    shape: Path,
+    result: Path,
+    /,
+    *,
+    out: Annotated[Path, Parameter(name=["--out", "-o"])],
+    views: str = "main,opposite",
+    size: str = "1400x700",
+    transparent: Flag = False,
+    no_legend: Flag = False,
+    title: str | None = None,
+    label_property: str | None = None,
+    reading: ShapeFlags = _SHAPE_AS_READ,
+) -> None:
+    """Draw a segmented shape: a picture of any labels, from the sides that are asked for.
+
+    Examples
+    --------
+    moseg render horse.off horse.json -o horse.png
+
+    moseg render chair.ply labels.txt --up z --views front,left,top --size 900x400 -o chair.png
+
+    moseg render dove.off dove.seg --views 1 --transparent --no-legend -o dove.png
+
+    Parameters
+    ----------
+    shape
+        A mesh, point cloud or voxel grid.
+    result
+        Its labels: a result (.json), or .seg, .txt, .ply, .glb and others (docs/formats.md). What
+        has no label is grey.
+    out
+        Picture to write: .png.
+    views
+        From where to look: names out of main, opposite, front, back, left, right, top and bottom,
+        or a number of views all around.
+    size
+        Width and height in pixels.
+    transparent
+        Leave the background out.
+    no_legend
+        Leave out the legend and the title.
+    title
+        What to write above; the name of the shape by default.
+    label_property
+        Name of the property, column or array that holds the labels, if not a usual one.
+    """
+    with importing(), waiting("starting"):
+        from moseg_core.cli.render import run_render
+
+    run_render(
+        shape,
+        result,
+        out=out,
+        views=views,
+        size=size,
+        transparent=transparent,
+        legend=not no_legend,
+        title=title,
+        label_property=label_property,
+        reading=reading,
     )
 
 
@@ -414,10 +480,32 @@ def field(
     json
         Print JSON instead of a table.
     """
-    with importing():
+    with importing(), waiting("starting"):
         from moseg_core.cli.field import run_field
 
     run_field(shape, name, recipe=recipe, reading=reading, outputs=out or [], as_json=json)
+
+
+@app.command
+def objectives(name: str | None = None, /, *, json: Flag = False) -> None:
+    """List the objectives that expressions are made of, or explain one.
+
+    Examples
+    --------
+    moseg objectives
+
+    moseg objectives narrow
+
+    Parameters
+    ----------
+    name
+        Which one to explain: formula, range, parameters; all are listed without.
+    json
+        Print JSON instead of a table or text.
+    """
+    from moseg_core.cli.objectives import run_objectives
+
+    run_objectives(name, as_json=json)
 
 
 @app.command
@@ -440,3 +528,33 @@ def recipes(name: str | None = None, /, *, json: Flag = False) -> None:
     from moseg_core.cli.recipes import run_recipes
 
     run_recipes(name, as_json=json)
+
+
+# Shown by the overview; the parser's own list would break the long name in two.
+@app.command(name="--install-completion", show=False)
+def install_completion(*, shell: Literal["bash", "fish", "zsh"] | None = None) -> None:
+    """Let your shell complete moseg's commands and options.
+
+    Writes a script to where your shell looks for such, and a line that reads it into the file that
+    your shell reads when it starts; says which.
+
+    Examples
+    --------
+    moseg --install-completion
+
+    moseg --install-completion --shell zsh
+
+    Parameters
+    ----------
+    shell
+        Which shell; the one that moseg runs in by default.
+    """
+    from moseg_core.cli.completion import run_install_completion
+
+    run_install_completion(app, shell)
+
+
+# In the order of use, as in the overview.
+for place, name in enumerate(ENTRIES):
+    if name in app and not name.startswith("-"):
+        app[name].sort_key = place

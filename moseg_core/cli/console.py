@@ -16,10 +16,12 @@ from contextlib import contextmanager
 from typing import Any, TextIO
 
 from rich.console import Console
-from rich.progress import BarColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
 from rich.progress import Progress as Bars
 from rich.table import Table
 
+from moseg_core.cli.waiting import wipe
+from moseg_core.components.cost import Cost
 from moseg_core.components.protocols import Progress, Report
 from moseg_core.problem.aggregate import Evaluation
 from moseg_core.shape.compiled import telling_of_compilation
@@ -45,6 +47,7 @@ def print_json(document: Any) -> None:
 def message(text: str, *, quiet: bool = False) -> None:
     """Print a line on stderr."""
     if not quiet:
+        wipe()
         print(f"moseg: {text}", file=sys.stderr)
 
 
@@ -93,12 +96,24 @@ def disagreement_lines(evaluation: Evaluation) -> list[str]:
     return ["", "what disagrees most in each part:", *lines] if lines else []
 
 
-def _told(progress: Progress) -> str:
-    """The best cost so far in words, empty where there is none."""
-    best = progress.best
-    if best is None:
-        return ""
-    return f"cost {best.value:.5g}" + (f" ({best.empty} empty)" if best.empty else "")
+class _BestByStage:
+    """The best cost that was reported in each stage: each start tells of its own alone.
+
+    Costs of different stages do not compare: a search is on super-elements, a polish on more.
+    """
+
+    def __init__(self) -> None:
+        self._best: dict[str, Cost] = {}
+
+    def told(self, progress: Progress) -> str:
+        """The best so far in words, with what is reported now; empty where there is none."""
+        stage = progress.stage
+        if progress.best is not None:
+            self._best[stage] = min(self._best.get(stage, progress.best), progress.best)
+        if stage not in self._best:
+            return ""
+        best = self._best[stage]
+        return f"best cost {best.value:.5g}" + (f" ({best.empty} empty)" if best.empty else "")
 
 
 def progress_lines(clock: Callable[[], float] = time.monotonic) -> Report:
@@ -113,15 +128,16 @@ def progress_lines(clock: Callable[[], float] = time.monotonic) -> Report:
         The time in seconds.
     """
     began = spoke = clock()
+    best = _BestByStage()
 
     def report(progress: Progress) -> bool:
         nonlocal spoke
-        now = clock()
+        now, cost = clock(), best.told(progress)
         if now - spoke < _LINE_EVERY:
             return False
         spoke = now
         share = "" if progress.fraction is None else f"{100 * progress.fraction:.0f} %"
-        said = [f"{progress.stage} {progress.done}", share, _told(progress)]
+        said = [f"{progress.stage} {progress.done}", progress.place, share, cost]
         message(f"{', '.join(part for part in said if part)} ({now - began:.0f} s so far)")
         return False
 
@@ -152,17 +168,19 @@ def progress_reporter(*, quiet: bool) -> Iterator[Report]:
         BarColumn(),
         TextColumn("{task.fields[cost]}"),
         TimeElapsedColumn(),
-        TextColumn("left"),
-        TimeRemainingColumn(),
         console=console(sys.stderr),
         transient=True,
         auto_refresh=False,
     )
     tasks: dict[str, Any] = {}
     drawn = -math.inf
+    best = _BestByStage()
+    # What comes before the first report, such as super-elements, takes seconds on a large shape.
+    preparing = bars.add_task("preparing the search", total=None, cost="")
 
     def report(progress: Progress) -> bool:
         nonlocal drawn
+        bars.update(preparing, visible=False)
         if progress.stage not in tasks:
             before = progress.stage.rpartition(": ")[0]
             for stage, earlier in tasks.items():  # a new stage: those before it are done
@@ -174,10 +192,12 @@ def progress_reporter(*, quiet: bool) -> Iterator[Report]:
         fraction = progress.fraction
         bars.update(
             tasks[progress.stage],
-            description=f"{progress.stage} {progress.done}",
+            description=", ".join(
+                words for words in (f"{progress.stage} {progress.done}", progress.place) if words
+            ),
             total=None if fraction is None else 1.0,
             completed=fraction or 0.0,
-            cost=_told(progress),
+            cost=best.told(progress),
         )
         if time.monotonic() - drawn >= _REDRAWN_EVERY:
             bars.refresh()
@@ -185,4 +205,5 @@ def progress_reporter(*, quiet: bool) -> Iterator[Report]:
         return False
 
     with bars:
+        bars.refresh()
         yield report

@@ -10,6 +10,9 @@ from moseg_core.cli.collection import at_exit, importing
 from moseg_core.cli.overview import overview_of
 from moseg_core.errors import MosegError, Terminated, UsageError
 
+#: Commands that people give many shapes.
+_OF_ONE_SHAPE = ("segment", "explain", "field", "render")
+
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command line and exit.
@@ -44,7 +47,7 @@ def _obey(arguments: Sequence[str]) -> None:
         print(overview)
         return
     with importing():
-        from cyclopts import CycloptsError
+        from cyclopts import CycloptsError, UnusedCliTokensError
 
         from moseg_core.cli.app import app
 
@@ -55,9 +58,22 @@ def _obey(arguments: Sequence[str]) -> None:
     try:
         command, bound, _ = app.parse_args(arguments, exit_on_error=False, print_error=False)
         command(*bound.args, **bound.kwargs)
+    except UnusedCliTokensError as error:
+        raise UsageError(_left_over(arguments[0], error.unused_tokens or [])) from error
     except CycloptsError as error:
         words = " ".join(str(error).split())
         raise UsageError(f"{words} (see 'moseg --help')") from error
+
+
+def _left_over(command: str, words: Sequence[str]) -> str:
+    """The message about words that a command has no use for."""
+    more = ", ".join(f"'{word}'" for word in words[:3]) + (", ..." if len(words) > 3 else "")
+    if command in _OF_ONE_SHAPE:
+        return (
+            f"'{command}' takes one shape at a time, and has no use for {more}; for many write a"
+            f' loop, such as: for f in *.ply; do moseg {command} "$f" ... ; done'
+        )
+    return f"'{command}' has no use for {more} (see 'moseg {command} --help')"
 
 
 def _run(arguments: list[str]) -> int:

@@ -2,8 +2,8 @@
 
 It is the first that anybody asks of a program, and answered at once: no argument is parsed for it,
 so neither the parser of the command line nor what lays out tables is imported. Everything else,
-the help of each command among it, is the parser's (:mod:`moseg_core.cli.app`), and a test holds
-this list to what the parser would have printed.
+the help of each command among it, is the parser's (:mod:`moseg_core.cli.app`), and tests hold
+this list to what the parser would have printed, and to what the bundles say.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ import os
 import shutil
 import textwrap
 from collections.abc import Sequence
+from importlib.util import find_spec
 from typing import TextIO
 
 from moseg_core.components.discovery.contract import VERSION
@@ -20,22 +21,37 @@ PURPOSE = "Say what the parts of a shape are like; get the shape cut into named 
 EPILOGUE = "Bundles bring further commands: see 'moseg plugin list'."
 VERSION_LINE = f"moseg {VERSION}"
 
-#: What there is to ask for, with what each does: the first line of its own help.
+#: What there is to ask for, in the order of use, with what each does: the first line of its help.
 ENTRIES = {
+    "segment": "Cut a shape into named parts.",
+    "learn": "Make a recipe of labelled examples.",
+    "tune": "Find the words for a shape by looking: sliders for weights, centres moved by hand.",
+    "view": "Turn a labelled shape in the browser: parts, areas, costs; a click places a centre.",
+    "render": "Draw a segmented shape: a picture of any labels, from the sides that are asked for.",
+    "explain": "Show what a segmentation costs, by term and part.",
     "evaluate": "Compare a labelling with true ones: the measures of the Princeton benchmark, and"
     " names.",
-    "explain": "Show what a segmentation costs, by term and part.",
     "field": "Show a field: a number for each element of a shape, such as how thick it is there.",
     "plot": "Draw how a search went: cost per generation and per iteration, and what the starts"
     " came to.",
-    "plugin": "Installed bundles of objectives, seeders, formats and more.",
+    "symmetry": "Show the planes and axes of symmetry of a shape.",
+    "embed": "Write a shape with its limbs stretched out, to look at.",
+    "benchmark": "How well results agree with people.",
+    "objectives": "List the objectives that expressions are made of, or explain one.",
     "recipes": "List installed recipes, or print one as it was shipped, to change it.",
     "sample": "Write a sample shape, to try things on.",
-    "segment": "Cut a shape into named parts.",
-    "tune": "Find the words for a shape by looking: sliders for weights, centres moved by hand.",
-    "view": "Turn a labelled shape in the browser: parts, areas, costs; a click places a centre.",
+    "plugin": "Installed bundles of objectives, seeders, formats and more.",
+    "--install-completion": "Let your shell complete moseg's commands and options.",
     "--help (-h)": "Display this message and exit.",
     "--version": "Display application version.",
+}
+#: Those that bundles bring, by the package that has to be there. To ask every bundle for its
+#: commands would take as long as all the rest, so these are the ones that come with moseg.
+FROM_BUNDLES = {
+    "learn": "moseg_learn",
+    "symmetry": "moseg_symmetry",
+    "embed": "moseg_mds",
+    "benchmark": "moseg_benchmark",
 }
 
 #: Columns below which lines get no shorter.
@@ -72,6 +88,21 @@ def overview_of(arguments: Sequence[str], stream: TextIO) -> str | None:
     )
 
 
+def present_entries() -> dict[str, str]:
+    """What there is to ask for here: the core's own, and of bundles what is installed.
+
+    Examples
+    --------
+    >>> list(present_entries())[0]
+    'segment'
+    """
+    return {
+        name: summary
+        for name, summary in ENTRIES.items()
+        if name not in FROM_BUNDLES or find_spec(FROM_BUNDLES[name]) is not None
+    }
+
+
 def draw_overview(width: int, *, styled: bool = False, unicode: bool = True) -> str:
     """The list of commands in a frame.
 
@@ -87,7 +118,8 @@ def draw_overview(width: int, *, styled: bool = False, unicode: bool = True) -> 
     width = max(width, _NARROWEST)
     bold, cyan, plain = ("\x1b[1m", "\x1b[36m", "\x1b[0m") if styled else ("", "", "")
     top_left, top_right, bottom_left, bottom_right, across, down = "╭╮╰╯─│" if unicode else "++++-|"
-    longest = max(map(len, ENTRIES))
+    entries = present_entries()
+    longest = max(map(len, entries))
     room = width - len("| ") - longest - len("  ") - len(" |")
     title = f"{top_left}{across} Commands "
     lines = [
@@ -97,7 +129,7 @@ def draw_overview(width: int, *, styled: bool = False, unicode: bool = True) -> 
         "",
         title + across * (width - len(title) - 1) + top_right,
     ]
-    for name, summary in ENTRIES.items():
+    for name, summary in entries.items():
         for row, text in enumerate(textwrap.wrap(summary, room)):
             said = "" if row else name
             lines.append(f"{down} {cyan}{said:{longest}}{plain}  {text:{room}} {down}")

@@ -1,4 +1,4 @@
-"""``moseg plugin explain``: what a component does, in its own words."""
+"""``moseg plugin explain`` and ``moseg objectives NAME``: what a component does, in its words."""
 
 from __future__ import annotations
 
@@ -16,7 +16,13 @@ from moseg_core import language
 from moseg_core.cli.console import console, print_json
 from moseg_core.cli.recipes import read_shipped
 from moseg_core.components.discovery.registry import Component, registry
-from moseg_core.components.discovery.specs import FieldSpec, MeasureSpec, ParameterizationSpec, Spec
+from moseg_core.components.discovery.specs import (
+    FieldSpec,
+    Kind,
+    MeasureSpec,
+    ParameterizationSpec,
+    Spec,
+)
 from moseg_core.components.explanation import (
     Explained,
     bounds,
@@ -32,9 +38,9 @@ from moseg_core.errors import PluginError, UsageError, unknown
 _SHOWN = {"Returns": "value", "Raises": "raises", "Notes": "notes", "References": "references"}
 
 
-def run_explain_plugin(name: str, *, as_json: bool) -> None:
-    """Print what is known of the components of a name."""
-    found = [explain_component(component) for component in _named(name)]
+def run_explain_plugin(name: str, *, as_json: bool, kind: Kind | None = None) -> None:
+    """Print what is known of the components of a name, or of those of one kind."""
+    found = [explain_component(component) for component in _named(name, kind)]
     if as_json:
         print_json([_document(explained) for explained in found])
         return
@@ -43,7 +49,7 @@ def run_explain_plugin(name: str, *, as_json: bool) -> None:
         _print(explained, out)
 
 
-def _named(name: str) -> list[Component]:
+def _named(name: str, kind: Kind | None) -> list[Component]:
     """The components of an id, one of each kind that has it; or of a name in one bundle.
 
     Raises
@@ -54,11 +60,11 @@ def _named(name: str) -> list[Component]:
         The bundle that an id names is set aside.
     """
     known = registry()
-    components = known.components()
+    components = known.components(kind)
     found = [c for c in components if name in (c.id, c.spec.name)]
     if len({c.bundle for c in found}) > 1:
         ids = ", ".join(sorted({c.id for c in found}))
-        raise UsageError(f"component '{name}' is ambiguous; say which: {ids}")
+        raise UsageError(f"{kind or 'component'} '{name}' is ambiguous; say which: {ids}")
     if found:
         return found
     namespace = name.partition(":")[0]
@@ -66,7 +72,8 @@ def _named(name: str) -> list[Component]:
         if bundle.problem and bundle.name == namespace:
             raise PluginError(f"bundle '{bundle.name}' is set aside: {bundle.problem}")
     names = [c.id if ":" in name else c.spec.name for c in components]
-    raise UsageError(f"{unknown('component', name, names)} (see 'moseg plugin list')")
+    listed = f"moseg {kind}s" if kind else "moseg plugin list"
+    raise UsageError(f"{unknown(kind or 'component', name, names)} (see '{listed}')")
 
 
 def _print(explained: Explained, out: Console) -> None:

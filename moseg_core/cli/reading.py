@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from moseg_core.cli.flags import ShapeFlags
+from moseg_core.cli.waiting import waiting
 from moseg_core.io import load
 from moseg_core.shape.mesh import PolygonMesh
 from moseg_core.shape.shape import Shape
@@ -21,7 +22,7 @@ def read_label_property(text: str | None) -> tuple[str, ...]:
     return () if text is None else tuple(name.strip() for name in text.split(",") if name.strip())
 
 
-def read_shape(path: Path, flags: ShapeFlags) -> Shape:
+def read_shape(path: Path, flags: ShapeFlags, *, quiet: bool = False) -> Shape:
     """Read a shape and estimate what it does not know of itself, as far as that is asked for.
 
     Parameters
@@ -30,18 +31,21 @@ def read_shape(path: Path, flags: ShapeFlags) -> Shape:
     flags : ShapeFlags
         Which cells of a voxel grid are elements says nothing to other shapes, nor does how near
         vertices are joined to what is no mesh.
+    quiet : bool
+        Whether a terminal is not told that the shape is being read.
 
     Raises
     ------
     ShapeError
         The file cannot be read, or its volume not be estimated.
     """
-    shape = load(path)
-    if flags.weld is not None and isinstance(shape.geometry, PolygonMesh):
-        shape = shape.with_weld(flags.weld)
-    if flags.voxels == "surface" and shape.solid:
-        shape = shape.with_elements("surface")
-    if flags.up is not None:
-        shape = shape.with_up(flags.up)
-    shape = shape.with_adjacency(flags.adjacency)
-    return shape if flags.volume is None else shape.with_volume(flags.volume)
+    with waiting(f"reading {path.name}", quiet=quiet):
+        shape = load(path)
+        if flags.weld is not None and isinstance(shape.geometry, PolygonMesh):
+            shape = shape.with_weld(flags.weld)
+        if flags.voxels == "surface" and shape.solid:
+            shape = shape.with_elements("surface")
+        if flags.up is not None:
+            shape = shape.with_up(flags.up)
+        shape = shape.with_adjacency(flags.adjacency)
+        return shape if flags.volume is None else shape.with_volume(flags.volume)

@@ -14,7 +14,7 @@ from moseg_core.cli.waiting import waiting
 from moseg_core.errors import UsageError
 from moseg_core.io import read_labels, write_file
 from moseg_core.io.files import check_destination
-from moseg_core.view.picture import checked_size, render_picture
+from moseg_core.view.picture import checked_size, draw_parts
 from moseg_core.view.point_bodies import drawable
 from moseg_core.view.upright import find_standing
 from moseg_core.view.views import read_views
@@ -57,14 +57,14 @@ def run_render(
     geometry = drawable(shape.geometry)
     standing = find_standing(geometry, shape.up)
     with waiting("drawing"):
-        picture = render_picture(
+        picture = draw_parts(
             geometry,
             np.asarray(labelling.labels),
             names,
             title=(shape.name if title is None else title) if legend else "",
             size=pixels,
             areas=None if shape.has_surface else shape.areas,
-            up=standing,
+            standing=standing,
             views=chosen,
             transparent=transparent,
             legend=legend,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 import sys
 import time
 from collections.abc import Mapping, Sequence
@@ -21,6 +22,7 @@ from moseg_core.cli.flags import (
     SteeringFlags,
 )
 from moseg_core.cli.interrupt import stop_on_interrupt
+from moseg_core.cli.overview import present_entries
 from moseg_core.cli.reading import read_shape
 from moseg_core.cli.request import (
     centered,
@@ -30,6 +32,7 @@ from moseg_core.cli.request import (
     read_statement,
     read_variants,
 )
+from moseg_core.cli.waiting import waiting
 from moseg_core.clipping.clip import check_clippable
 from moseg_core.components.faults import describe
 from moseg_core.components.profile import timed
@@ -113,8 +116,9 @@ def run_segment(
 
     started = time.monotonic()
     with timed("stage", "read"):
-        shape = read_shape(path, reading)
-    problem.check(problem.embed(searched_part(shape, options)))
+        shape = read_shape(path, reading, quiet=quiet)
+    with waiting(f"looking at {shape.n_elements} {shape.noun}s", quiet=quiet):
+        problem.check(problem.embed(searched_part(shape, options)))
     if clipped:
         check_clippable(shape)
     for output in outputs:
@@ -186,6 +190,8 @@ def run_segment(
         print_json(_summary(result))
     elif not quiet:
         _print_tables(result)
+    if not failures and failure is None and sys.stderr.isatty():
+        message(next_step(path, written), quiet=quiet)
     failures += [] if failure is None else [failure]
     for untold in failures[:-1]:
         message(str(untold))
@@ -229,6 +235,26 @@ def _files_at(output: Path, variants: Variants) -> list[Path]:
     if not is_for_parts(output):
         return [output]
     return [file for each in variants.tasks for file in part_paths(output, each.problem.labels)]
+
+
+def next_step(shape: Path, written: Sequence[Path]) -> str:
+    """What a user may do next with the files that were written; logs need not know.
+
+    Examples
+    --------
+    >>> next_step(Path("my horse.off"), [Path("a.png")])
+    'next: with -o result.json the result is kept, to be looked at, explained and gone on from'
+    """
+    kept = next((file for file in written if file.suffix == ".json"), None)
+    if kept is None:
+        return (
+            "next: with -o result.json the result is kept, to be looked at, explained and gone on"
+            " from"
+        )
+    both = f"{shlex.quote(str(shape))} {shlex.quote(str(kept))}"
+    picture = shlex.quote(str(kept.with_suffix(".png")))
+    look = f"view {both}" if "view" in present_entries() else f"render {both} -o {picture}"
+    return f"next: moseg {look}; moseg explain {shlex.quote(str(kept))}"
 
 
 def _steered(

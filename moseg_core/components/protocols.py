@@ -55,7 +55,7 @@ The contract kit (:mod:`moseg_core.testing`) uses the first and holds components
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
@@ -387,16 +387,38 @@ class Progress:
         The best cost so far, where one is known.
     fraction : float or None
         Estimated share of the stage that is done.
+    place : str
+        Which of several searches alike it is: "start 2 of 8"; filled in by the core.
     """
 
     stage: str
     done: int
     best: Cost | None = None
     fraction: float | None = None
+    place: str = ""
 
 
 Report = Callable[[Progress], bool]
 """Called now and then while a run goes on; True asks to stop with the best found so far."""
+
+
+def placed(report: Report, place: str) -> Report:
+    """The same report, told in front of each place which of several searches alike it is.
+
+    Examples
+    --------
+    >>> told = placed(lambda progress: print(progress.place), "label set 2 of 3")
+    >>> told(Progress(stage="k-means", done=1, place="start 1 of 8"))
+    label set 2 of 3, start 1 of 8
+    """
+
+    def report_with_place(progress: Progress) -> bool:
+        whole = (
+            f"{place}, {progress.place}" if place and progress.place else place or progress.place
+        )
+        return report(replace(progress, place=whole))
+
+    return report_with_place
 
 
 def never_stop(progress: Progress) -> bool:

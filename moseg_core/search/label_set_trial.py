@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from moseg_core.components.chosen import Choice, prepare
-from moseg_core.components.protocols import Progress, Report
+from moseg_core.components.protocols import Progress, Report, placed
 from moseg_core.errors import MosegError
 from moseg_core.problem.hierarchy import Hierarchy
 from moseg_core.problem.problem import Problem
@@ -205,8 +205,9 @@ class Trial:
         def named(progress: Progress) -> bool:
             return report(replace(progress, stage=f"{name}: {progress.stage}"))
 
+        told = placed(named, f"label set {k + 1} of {len(self.variants.tasks)}")
         try:
-            found = solve(level, task.problem, mine, defaults=method, report=named, **self.more)
+            found = solve(level, task.problem, mine, defaults=method, report=told, **self.more)
         except MosegError as error:
             found = error.result
             return Outcome.of(k, None if found is None else self._on_input(found), error)

@@ -20,7 +20,7 @@ from typing import Unpack
 
 import numpy as np
 
-from moseg_core.components.protocols import Progress, Report, never_stop
+from moseg_core.components.protocols import Progress, Report, never_stop, placed
 from moseg_core.errors import MosegError, UsageError
 from moseg_core.problem.hierarchy import Hierarchy
 from moseg_core.problem.recipe import Recipe, load_recipe
@@ -168,7 +168,7 @@ def solve_parts(
         if deadline is not None:  # each number has its share of what is left
             left = max(0.0, deadline - time.monotonic()) / (len(tasks) - k)
             mine = replace(options, max_seconds=left)
-        trial.solve(shape, task, mine)
+        trial.solve(shape, task, mine, place=f"number {k + 1} of {len(tasks)}")
         if trial.ended:
             break
     best = trial.best()
@@ -199,7 +199,7 @@ class _Trial:
         """Whether no other number is to be tried."""
         return self.listener.stopped or self.failure is not None
 
-    def solve(self, shape: Shape, task: Hierarchy, options: SearchOptions) -> None:
+    def solve(self, shape: Shape, task: Hierarchy, options: SearchOptions, *, place: str) -> None:
         """Try one number."""
 
         def report(progress: Progress) -> bool:
@@ -207,7 +207,7 @@ class _Trial:
             return self.listener(replace(progress, stage=stage))
 
         try:
-            self.found.append(solve_hierarchy(shape, task, options, report=report))
+            self.found.append(solve_hierarchy(shape, task, options, report=placed(report, place)))
         except MosegError as error:
             if error.result is not None:
                 self.found.append(error.result)

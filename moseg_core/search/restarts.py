@@ -27,7 +27,7 @@ from moseg_core.components.chosen import PreparedComponent, prepare
 from moseg_core.components.discovery.registry import Registry
 from moseg_core.components.discovery.specs import Kind
 from moseg_core.components.profile import timed
-from moseg_core.components.protocols import Centers, Progress, Report
+from moseg_core.components.protocols import Centers, Progress, Report, placed
 from moseg_core.errors import MosegError, UsageError
 from moseg_core.problem.settings import SearchOptions
 from moseg_core.search.beginning import begin
@@ -171,6 +171,7 @@ class Plan:
 
     def attempt(self, k: int, *, report: Report) -> Attempt:
         """Start number `k`: search for a while, or to the end where none is dropped."""
+        report = placed(report, _counted("start", k, self.restarts))
         rng = np.random.default_rng(self.seed if k == 0 else [self.seed, k])
         fresh = rng.bit_generator.state
         ready = dict(self.ready)
@@ -205,6 +206,12 @@ class Plan:
             run = anew(run, better, self.coarse, optimizer, frozen=self.frozen)
         return run, better
 
+    def resumed(
+        self, run: Run, until: float, k: int, left: int, *, report: Report
+    ) -> tuple[Run, RunOutcome]:
+        """The same of the search that is the `k`-th of so many that are left."""
+        return self.further(run, until, report=placed(report, f"{k + 1} of the best {left}"))
+
     def exchanged(self, outcome: RunOutcome, evaluator: ProblemEvaluator) -> RunOutcome:
         """The same where no exchange of labels lowers its cost, else that with other labels."""
         if not self.exchanges or outcome.reason in ("interrupted", "seconds"):
@@ -229,8 +236,9 @@ class Plan:
                 outcome = replace(outcome, reason=reason)
         return outcome
 
-    def polish(self, outcome: RunOutcome, *, report: Report) -> RunOutcome:
-        """Improve on more elements what was found on super-elements."""
+    def polish(self, outcome: RunOutcome, k: int, of: int, *, report: Report) -> RunOutcome:
+        """Improve on more elements what was found on super-elements, the `k`-th of so many."""
+        report = placed(report, _counted("result", k, of))
         fine, whole = self.fine, self.whole
         ready = polisher(self.ready["optimizer"], whole.problem.registry)
         rng = np.random.default_rng(0)
@@ -244,6 +252,11 @@ class Plan:
         reason = "seconds" if better.reason == "seconds" else outcome.reason
         history = {**outcome.history, **better.history}
         return replace(better, reason=reason, history=history, warning=outcome.warning)
+
+
+def _counted(what: str, k: int, of: int) -> str:
+    """The place of one of several, counted from 0; empty for an only one."""
+    return f"{what} {k + 1} of {of}" if of > 1 else ""
 
 
 def carried(vector: FloatArray, there: ProblemEvaluator, here: ProblemEvaluator) -> FloatArray:
@@ -278,7 +291,7 @@ def carry_out(plan: Plan, workers: int, listener: Listener) -> tuple[list[RunOut
     """
     tasks: dict[str, Task] = {
         "attempt": plan.attempt,
-        "further": plan.further,
+        "resumed": plan.resumed,
         "polish": plan.polish,
     }
     tracked = TrackedWorkers(plan.coarse, plan.whole)
@@ -321,7 +334,9 @@ def all_starts(plan: Plan, pool: TrackedWorkers) -> list[RunOutcome]:
         until = until * _LONGER if keep > plan.finalists else math.inf
         left = sorted(left, key=lambda k: outcomes[k].cost)[:keep]
         paused = [k for k in left if outcomes[k].reason == "paused"]
-        ends = pool.map("further", [(runs[k], until) for k in paused])
+        ends = pool.map(
+            "resumed", [(runs[k], until, place, len(paused)) for place, k in enumerate(paused)]
+        )
         for k, (run, end) in zip(paused, ends, strict=False):  # fewer where asked to stop
             runs[k], outcomes[k] = run, end
     return outcomes
@@ -357,7 +372,8 @@ def finish(plan: Plan, outcomes: Sequence[RunOutcome], pool: TrackedWorkers) -> 
     ranked = [found[0], *sorted(found[1:], key=lambda outcome: outcome.cost)]
     polished: list[RunOutcome] = []
     if plan.deadline is None or time.monotonic() < plan.deadline:
-        polished = pool.map("polish", [(outcome,) for outcome in ranked[:_POLISHED]])
+        first = ranked[:_POLISHED]
+        polished = pool.map("polish", [(each, k, len(first)) for k, each in enumerate(first)])
     best = min([*polished, *ranked], key=lambda outcome: outcome.cost)
     return replace(best, reason="evaluations") if best.reason == "paused" else best
 

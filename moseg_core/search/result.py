@@ -6,13 +6,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 from moseg_core.components.discovery.lookup import Lookup
 from moseg_core.components.part import Part
 from moseg_core.components.protocols import Centers
 from moseg_core.components.segmentation import Segmentation
+from moseg_core.named import Named
 from moseg_core.problem.aggregate import Evaluation
 from moseg_core.problem.hierarchy import Hierarchy
 from moseg_core.problem.problem import Problem
@@ -91,6 +91,7 @@ class Result:
             frozen(array)
         if self.centers.parts is not None:
             frozen(self.centers.parts)
+        object.__setattr__(self, "levels", Named(self.levels, kind="level"))
 
     def __repr__(self) -> str:
         names = ", ".join(self.problem.labels)
@@ -163,9 +164,8 @@ class Result:
     @cached_property
     def parts(self) -> Mapping[str, Part]:
         """Each part by its label: ``result.parts["handle"].to_mesh()``."""
-        return MappingProxyType(
-            dict(zip(self.problem.labels, self.segmentation.parts, strict=True))
-        )
+        parts = zip(self.problem.labels, self.segmentation.parts, strict=True)
+        return Named(dict(parts), kind="part")
 
 
 def end_warnings(reason: str) -> tuple[str, ...]:

@@ -23,7 +23,7 @@ import signal
 import traceback
 import warnings
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from multiprocessing.connection import Connection, wait
 from types import TracebackType
 from typing import Any, Self
@@ -149,7 +149,7 @@ class Workers:
                 if progress is not None:
                     # Shown is the first task's progress; to stop, any message is an occasion.
                     first = worker.task == min(other.task for other in busy if other.task >= 0)
-                    shown = progress if first or shown is None else shown
+                    shown = progress if first or shown is None else bettered(shown, progress)
                     self._stopped = self._report(shown) or self._stopped
                 else:
                     done[worker.task] = result
@@ -217,6 +217,13 @@ class Workers:
             failure, cause = content
             raise failure from cause
         return (content, None) if kind == "progress" else (None, content)
+
+
+def bettered(shown: Progress, other: Progress) -> Progress:
+    """The progress of one task, with the best cost that it and another have found in its stage."""
+    if shown.stage != other.stage or shown.best is None or other.best is None:
+        return shown
+    return replace(shown, best=min(shown.best, other.best))
 
 
 def _lost(worker: _Worker) -> MosegError:

@@ -3,17 +3,11 @@
 A shape is drawn upright (:mod:`moseg_core.view.upright`) from two opposite sides, or others
 (:mod:`moseg_core.view.views`), next to each other, each part in its own colour
 (:mod:`moseg_core.view.palette`), above a legend of names and shares of the area. Each view is one
-z-buffer at three times the final size (:mod:`moseg_core.view.raster`),
-from which follow
+z-buffer at three times the final size (:mod:`moseg_core.view.raster`), in which light and lines are
+drawn (:mod:`moseg_core.view.shading`).
 
-- the light: diffuse, from over the viewer's left shoulder, over a soft ambient, on the side of a
-  face that is seen, whichever way the face is wound; hollows are darker, by how far a place lies
-  behind the mean depth around it (Luft, Colditz and Deussen 2006, doi:10.1145/1141911.1142016);
-- dark lines where parts meet, along the outline, and where one thing is in front of another.
-
-Light is computed and averaged in proportion to its energy, so that edges are smooth. The picture
-is a function of its arguments: the same PNG, byte for byte, for the same input on the same
-installation.
+The picture is a function of its arguments: the same PNG, byte for byte, for the same input on the
+same installation.
 """
 
 from __future__ import annotations
@@ -24,18 +18,17 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 import numpy.typing as npt
-from scipy import ndimage
 
 from moseg_core.errors import UsageError
 from moseg_core.shape.geometry import Geometry
 from moseg_core.shape.labels import checked_labels
 from moseg_core.shape.up import checked_up
-from moseg_core.types import UNLABELLED, BoolArray, FloatArray, Int32Array, IntArray
-from moseg_core.view.camera import Camera, best_columns, choose_cameras
+from moseg_core.types import UNLABELLED, FloatArray, IntArray
+from moseg_core.view.camera import best_columns, choose_cameras
 from moseg_core.view.legend import LegendEntry, draw_caption, draw_legend, draw_title
 from moseg_core.view.normals import corner_normals
-from moseg_core.view.palette import linear_light, part_colors
-from moseg_core.view.raster import interpolate, rasterize
+from moseg_core.view.palette import part_colors
+from moseg_core.view.shading import draw_view
 from moseg_core.view.upright import Standing, find_standing
 from moseg_core.view.views import USUAL, View, rotations_of
 
@@ -47,13 +40,8 @@ _SMALLEST, _LARGEST = (240, 160), (4000, 2000)
 # Samples per pixel and direction; fewer for pictures that would take gigabytes.
 _SAMPLES, _FEWER_SAMPLES, _MANY_PIXELS = 3, 2, 2_000_000
 
-
 #: What has no label is called, and its colour.
 _NO_LABEL, _GREY = "no label", (190, 190, 190)
-
-# Right, up and towards the viewer.
-_KEY_LIGHT = np.array([-0.50, 0.55, 0.67])
-_AMBIENT, _FROM_ABOVE, _DIFFUSE = 0.27, 0.12, 0.74
 
 
 class Legend(Protocol):
@@ -72,7 +60,7 @@ def render_picture(
     title: str = "",
     size: tuple[int, int] = (1400, 700),
     areas: FloatArray | None = None,
-    up: str | Standing | None = None,
+    up: str | None = None,
     views: Sequence[View] | int = USUAL,
     transparent: bool = False,
     legend: bool = True,
@@ -122,6 +110,34 @@ def render_picture(
     >>> render_picture(square, [0], ["all of it"])[1:4]
     b'PNG'
     """
+    return draw_parts(
+        mesh,
+        labels,
+        names,
+        title=title,
+        size=size,
+        areas=areas,
+        standing=find_standing(mesh, None if up is None else checked_up(up)),
+        views=views,
+        transparent=transparent,
+        legend=legend,
+    )
+
+
+def draw_parts(
+    mesh: Geometry,
+    labels: npt.ArrayLike,
+    names: Sequence[str],
+    *,
+    title: str,
+    size: tuple[int, int],
+    areas: FloatArray | None,
+    standing: Standing,
+    views: Sequence[View] | int,
+    transparent: bool,
+    legend: bool,
+) -> bytes:
+    """The same as :func:`render_picture`, where it is settled how the shape stands."""
     label, names, colors = _with_unlabelled(mesh, labels, names)
     entries = _legend(_triangle_areas(mesh) if areas is None else areas, label, names)
 
@@ -136,7 +152,7 @@ def render_picture(
         legend=words,
         title=title,
         size=size,
-        standing=_standing(mesh, up),
+        standing=standing,
         views=views,
         transparent=transparent,
         captioned=legend,
@@ -155,12 +171,6 @@ def _with_unlabelled(
         names.append(_NO_LABEL)
         colors = np.concatenate([colors, np.array([_GREY], np.uint8)])
     return checked_labels(mesh, given, len(names)).astype(np.int64), names, colors
-
-
-def _standing(mesh: Geometry, up: str | Standing | None) -> Standing:
-    if isinstance(up, Standing):
-        return up
-    return find_standing(mesh, None if up is None else checked_up(up))
 
 
 def checked_size(size: tuple[int, int]) -> tuple[int, int]:
@@ -249,7 +259,7 @@ def draw_sides(
     for k, camera in enumerate(cameras):
         row, column = divmod(k, columns)
         corner = column * (width - pane[0]) // max(1, columns - 1), top + row * pane[1]
-        view = _draw_view(mesh, labels, shades, normals, colors, camera, samples, transparent)
+        view = draw_view(mesh, labels, shades, normals, colors, camera, samples, transparent)
         image.alpha_composite(Image.fromarray(view), corner)
         if captioned and named:
             place = corner[0] + pad, corner[1] + pad
@@ -257,123 +267,6 @@ def draw_sides(
     buffer = io.BytesIO()
     (image if transparent else image.convert("RGB")).save(buffer, format="PNG")
     return buffer.getvalue()
-
-
-def _draw_view(
-    mesh: Geometry,
-    labels: IntArray,
-    shades: IntArray,
-    normals: FloatArray,
-    colors: npt.NDArray[np.uint8],
-    camera: Camera,
-    samples: int,
-    transparent: bool,
-) -> npt.NDArray[np.uint8]:
-    """(h, w, 4) sRGB picture of one view and what it covers; the camera's size is a multiple."""
-    seen = camera.project(mesh.vertices)[mesh.triangles]
-    triangle, depth = rasterize(seen, camera.width, camera.height)
-    normal = normals @ camera.rotation.T
-    facing = np.cross(seen[:, 1] - seen[:, 0], seen[:, 2] - seen[:, 0])[:, 2]
-    # y runs down on the picture, so that what faces the viewer has a negative area there.
-    normal[facing > 0.0] *= -1.0
-
-    shown = triangle >= 0
-    element = mesh.triangle_polygon[triangle[shown]]
-    part, shade = np.full((2, *triangle.shape), -1, np.int32)
-    part[shown], shade[shown] = labels[element], shades[element]
-    light = _light(interpolate(triangle, seen, normal))
-    light *= _hollows(depth, shown, samples)
-    light *= _lines(part, depth, samples)
-
-    palette = np.concatenate([linear_light(colors), np.ones((1, 3))]).astype(np.float32)
-    view = np.ones((camera.height // samples, camera.width // samples, 4))
-    covered = _averaged(shown.astype(np.float64), samples)
-    behind = 0.0 if transparent else 1.0
-    for channel in range(3):
-        shaded = np.where(shown, palette[:, channel][shade] * light, behind)
-        view[:, :, channel] = _averaged(shaded, samples)
-    if transparent:
-        view[:, :, :3] /= np.maximum(covered, 1e-9)[:, :, None]
-    drawn = _srgb(view)
-    if transparent:
-        drawn[:, :, 3] = np.rint(covered * 255.0)
-    return drawn
-
-
-def _averaged(values: FloatArray, samples: int) -> FloatArray:
-    """(h, w) mean of the samples of each pixel."""
-    height, width = (side // samples for side in values.shape)
-    mean: FloatArray = values.reshape(height, samples, width, samples).mean(axis=(1, 3))
-    return mean
-
-
-def _light(normal: FloatArray) -> npt.NDArray[np.float32]:
-    """(h, w) light on surfaces with these normals, in view directions; about 0.2 to 1.1."""
-    flat = normal.reshape(-1, 3)
-    length = np.maximum(np.sqrt(np.einsum("pi,pi->p", flat, flat)), 1e-12)
-    key = np.maximum(flat @ (_KEY_LIGHT / np.linalg.norm(_KEY_LIGHT)) / length, 0.0)
-    light: FloatArray = _AMBIENT + _FROM_ABOVE * flat[:, 1] / length + _DIFFUSE * key
-    return light.reshape(normal.shape[:2]).astype(np.float32)
-
-
-def _hollows(depth: FloatArray, shown: BoolArray, samples: int) -> npt.NDArray[np.float32]:
-    """(h, w) factor on the light, below 1 where the surface lies behind what is around it."""
-    middle = samples // 2
-    mask = shown[middle::samples, middle::samples].astype(np.float64)
-    near = np.where(mask > 0.0, depth[middle::samples, middle::samples], 0.0)
-    radius = 0.03 * min(mask.shape)
-    weight = np.maximum(ndimage.gaussian_filter(mask, radius), 1e-6)
-    mean = ndimage.gaussian_filter(near, radius) / weight
-    spread = np.repeat(np.repeat(mean, samples, axis=0), samples, axis=1)
-    behind = np.where(shown, spread - depth, 0.0) / (radius * samples)
-    factor: npt.NDArray[np.float32] = (1.0 - 0.45 * np.clip(behind / 2.5, 0.0, 1.0)).astype(
-        np.float32
-    )
-    return factor
-
-
-def _lines(part: Int32Array, depth: FloatArray, samples: int) -> npt.NDArray[np.float32]:
-    """(h, w) factor on the light that draws the lines."""
-    shown = part >= 0
-    meet, outline, step = (np.zeros(part.shape, np.bool_) for _ in range(3))
-    jump = 0.012 * min(part.shape)
-    z = np.where(shown, depth, 0.0)
-    for axis in (0, 1):
-        lower, upper = _neighbors(axis, 1)
-        both = shown[lower] & shown[upper]
-        differ = both & (part[lower] != part[upper])
-        meet[lower] |= differ
-        meet[upper] |= differ
-        edge = shown[lower] != shown[upper]
-        outline[lower] |= edge
-        outline[upper] |= edge
-        # A step is a bend of the depth, not a slope: a plane seen at a glance is none.
-        before, after = _neighbors(axis, 2)
-        center = tuple(slice(1, -1) if a == axis else slice(None) for a in (0, 1))
-        inside = shown[before] & shown[center] & shown[after]
-        step[center] |= inside & (np.abs(z[before] - 2.0 * z[center] + z[after]) > jump)
-    thick = ndimage.binary_dilation(meet, iterations=max(1, samples // 2))
-    factor = np.ones(part.shape, np.float32)
-    factor[step] = 0.45
-    factor[outline] = 0.35
-    factor[thick] = 0.12
-    return factor
-
-
-def _neighbors(axis: int, distance: int) -> tuple[tuple[slice, slice], tuple[slice, slice]]:
-    """Index of all samples but the last, and of all but the first, along an axis."""
-    everything = slice(None)
-    lower, upper = slice(None, -distance), slice(distance, None)
-    if axis == 0:
-        return (lower, everything), (upper, everything)
-    return (everything, lower), (everything, upper)
-
-
-def _srgb(light: FloatArray) -> npt.NDArray[np.uint8]:
-    """Light of 0 to 1 as sRGB values of 0 to 255."""
-    light = np.clip(light, 0.0, 1.0)
-    value = np.where(light <= 0.0031308, light * 12.92, 1.055 * light ** (1 / 2.4) - 0.055)
-    return np.rint(value * 255.0).astype(np.uint8)
 
 
 def _triangle_areas(mesh: Geometry) -> FloatArray:

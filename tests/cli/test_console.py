@@ -89,7 +89,12 @@ def test_no_thread_runs_where_workers_are_forked_on_a_terminal(mallet, tmp_path)
     assert json.loads(forks.read_text()) == [[]] * 4
     assert "\x1b[?25l" in printed  # the cursor is hidden while bars are drawn
     assert "pattern_search" in printed
+    assert printed.startswith("\r\x1b[2Kmoseg: starting ...")  # before anything heavy is imported
+    assert "reading mallet.off ..." in printed
+    assert "preparing the search" in printed
+    assert "start 1 of 2" in printed
     assert "wrote" in printed
+    assert f"moseg explain {out}" in printed.splitlines()[-1]
     assert out.exists()
 
 
@@ -223,6 +228,26 @@ def test_bars_of_other_numbers_of_parts_make_room(monkeypatch):
     assert max(len(run) for run in re.findall(f"(?:{re.escape(up)})+", shown)) <= 3 * len(up)
 
 
+def test_the_best_cost_that_is_shown_never_rises(capsys, monkeypatch):
+    """Each start tells of its own best alone; a polish, on more elements, of another cost."""
+    monkeypatch.setattr("moseg_core.cli.console._LINE_EVERY", 0.0)
+    report = progress_lines()
+    for stage, best in (
+        ("search", Cost(1, 0.1)),
+        ("search", Cost(0, 0.3)),
+        ("k-means", None),
+        ("search", Cost(0, 0.5)),
+        ("search", None),
+        ("polish", Cost(0, 0.31)),
+    ):
+        report(Progress(stage=stage, done=1, best=best))
+    told = [
+        line.partition("best cost ")[2].partition(" ")[0]
+        for line in capsys.readouterr().err.split("\n")
+    ]
+    assert told[:-1] == ["0.1", "0.3", "", "0.3", "0.3", "0.31"]
+
+
 def test_off_a_terminal_progress_is_a_line_every_half_minute(capsys):
     seconds = [0.0]
     report = progress_lines(lambda: seconds[0])
@@ -230,13 +255,15 @@ def test_off_a_terminal_progress_is_a_line_every_half_minute(capsys):
         seconds[0] = now
         best = Cost(1, 0.5) if now < 60 else Cost(0, 0.25)
         fraction = None if now < 60 else 0.5
-        told = Progress(stage="search", done=int(now), best=best, fraction=fraction)
+        told = Progress(
+            stage="search", done=int(now), best=best, fraction=fraction, place="start 2 of 8"
+        )
         assert report(told) is False
     printed = capsys.readouterr()
     assert printed.out == ""
     assert printed.err.splitlines() == [
-        "moseg: search 31, cost 0.5 (1 empty) (31 s so far)",
-        "moseg: search 62, 50 %, cost 0.25 (62 s so far)",
+        "moseg: search 31, start 2 of 8, best cost 0.5 (1 empty) (31 s so far)",
+        "moseg: search 62, start 2 of 8, 50 %, best cost 0.25 (62 s so far)",
     ]
 
 

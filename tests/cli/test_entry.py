@@ -60,3 +60,14 @@ def test_output_that_nobody_takes(lines, code):
     done = subprocess.run(command, stdout=writer, stderr=subprocess.PIPE, text=True)
     os.close(writer)
     assert (done.returncode, done.stderr) == (code, "")
+
+
+def test_words_that_are_left_over(moseg):
+    run = moseg("segment", "a.ply", "b.ply", "c.ply", "--recipe", "hammer")
+    assert run.code == 2
+    assert run.err.startswith(
+        "moseg: 'segment' takes one shape at a time, and has no use for 'b.ply'"
+    )
+    assert 'for f in *.ply; do moseg segment "$f" ... ; done' in run.err
+    run = moseg("recipes", "a", "b")
+    assert run.err == "moseg: 'recipes' has no use for 'b' (see 'moseg recipes --help')\n"

@@ -10,7 +10,10 @@ import sys
 import pytest
 
 from moseg_core.cli.app import app
-from moseg_core.cli.overview import draw_overview, overview_of
+from moseg_core.cli.overview import ENTRIES, FROM_BUNDLES, draw_overview, overview_of
+from moseg_core.components.discovery.registry import registry
+
+COMPLETION = "--install-completion"
 
 
 def words(text: str) -> list[str]:
@@ -20,9 +23,20 @@ def words(text: str) -> list[str]:
 @pytest.mark.parametrize("width", [40, 57, 80, 200])
 def test_it_says_what_the_parser_would_have_said(width, monkeypatch, capsys):
     monkeypatch.setenv("COLUMNS", str(width))
+    own = {name: ENTRIES[name] for name in ENTRIES if name not in (*FROM_BUNDLES, COMPLETION)}
+    monkeypatch.setattr("moseg_core.cli.overview.ENTRIES", own)
     app.help_print([])
     assert words(draw_overview(width)) == words(capsys.readouterr().out)
     assert overview_of(["--version"], sys.stdout) == app.version
+
+
+def test_it_says_of_bundles_what_they_say():
+    summaries = {c.spec.name: c.spec.summary for c in registry().components("command")}
+    for name, package in FROM_BUNDLES.items():
+        if name in summaries:
+            assert ENTRIES[name] == summaries[name]
+            assert registry().find("command", name).spec.target.startswith(f"{package}.")
+            assert f" {name} " in draw_overview(80)
 
 
 @pytest.mark.parametrize("width", [10, 40, 80])

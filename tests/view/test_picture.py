@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 from moseg_core.errors import ShapeError, UsageError
 from moseg_core.shape.mesh import PolygonMesh
 from moseg_core.view.palette import linear_light, part_colors
-from moseg_core.view.picture import _hollows, _lines, render_picture
+from moseg_core.view.picture import render_picture
 
 SIZE = (480, 240)
 
@@ -206,17 +206,6 @@ def test_large_pictures_are_drawn_too():
     assert area_of(picture, 0, 2) > 50_000
 
 
-def test_hollows_are_darker_near_what_stands_out():
-    depth = np.zeros((120, 120))
-    depth[40:80, 40:80] = 60
-    depth[:, 110:] = -np.inf
-    factor = _hollows(depth, np.isfinite(depth), 3)
-    assert factor[60, 36] < 0.9
-    assert factor[60, 10] > 0.98
-    assert factor[60, 60] == 1.0
-    assert (factor[:, 110:] == 1.0).all()
-
-
 def test_hollows_are_darker_on_the_picture(monkeypatch):
     plate = trimesh.creation.box([6, 5, 0.5])
     rod = trimesh.creation.box([0.4, 0.4, 2]).apply_translation([0, 0, -1.2])
@@ -224,22 +213,9 @@ def test_hollows_are_darker_on_the_picture(monkeypatch):
     labels = np.zeros(mesh.n_polygons, int)
     with_hollows = draw(mesh, labels)
     monkeypatch.setattr(
-        "moseg_core.view.picture._hollows",
+        "moseg_core.view.shading._hollows",
         lambda depth, shown, samples: np.ones(depth.shape, np.float32),
     )
     without = draw(mesh, labels)
     assert (with_hollows <= without).all()
     assert (without.sum(axis=2) - with_hollows.sum(axis=2) > 30).sum() > 50
-
-
-def test_lines_follow_the_samples():
-    part = np.zeros((100, 100), np.int32)
-    part[:, 50:] = 1
-    part[:, 90:] = -1
-    depth = np.where(part >= 0, np.arange(100.0)[:, None], -np.inf)
-    depth[60:] += 30
-    factor = _lines(part, depth, 3)
-    # Parts meet at 49 | 50, the outline is 89 | 90, and the step in depth 59 | 60.
-    assert np.flatnonzero(factor[20] < 0.2).tolist() == [48, 49, 50, 51]
-    assert np.flatnonzero(factor[20] < 1.0).tolist() == [48, 49, 50, 51, 89, 90]
-    assert np.flatnonzero(factor[:, 20] < 1.0).tolist() == [59, 60]

@@ -52,7 +52,7 @@ def draw_case(case: BenchmarkCase, recipe: Recipe, labels: IntArray, folder: Pat
     shape = load(case.model.mesh)
     title = f"{case.model.number}, {recipe.name}, {case.method}, seed {case.seed}"
     leaves = all_leaves(recipe)
-    picture = render_picture(shape.geometry, labels, leaves, title=title, size=_SIZE)
+    picture = render_picture(shape.geometry, labels, leaves, title=title, size=_SIZE, up=shape.up)
     names = [f"{case.key}.png"]
     write_file(folder / names[0], picture)
     for k, path in enumerate(case.model.people[:2]):
@@ -61,7 +61,9 @@ def draw_case(case: BenchmarkCase, recipe: Recipe, labels: IntArray, folder: Pat
             _, parts = np.unique(read_labels(path, shape, fill=True).labels, return_inverse=True)
             words = [f"part {number + 1}" for number in range(int(parts.max()) + 1)]
             title = f"{case.model.number}, person {k + 1}"
-            drawn = render_picture(shape.geometry, parts, words, title=title, size=_SIZE)
+            drawn = render_picture(
+                shape.geometry, parts, words, title=title, size=_SIZE, up=shape.up
+            )
             write_file(folder / name, drawn)
         names.append(name)
     return names
