@@ -8,8 +8,11 @@ from collections.abc import Sequence
 
 from moseg_core.cli.collection import at_exit, importing
 from moseg_core.cli.overview import overview_of
+from moseg_core.cli.waiting import waiting
 from moseg_core.errors import MosegError, Terminated, UsageError
 
+#: Commands that import so much that a terminal is told at once that something goes on.
+_SLOW_TO_START = ("segment", "explain", "evaluate", "field", "render", "learn", "benchmark")
 #: Commands that people give many shapes.
 _OF_ONE_SHAPE = ("segment", "explain", "field", "render")
 
@@ -46,7 +49,8 @@ def _obey(arguments: Sequence[str]) -> None:
     if overview is not None:
         print(overview)
         return
-    with importing():
+    known = arguments[0] in _SLOW_TO_START
+    with importing(), waiting("starting", quiet=not known or "--quiet" in arguments):
         from cyclopts import CycloptsError, UnusedCliTokensError
 
         from moseg_core.cli.app import app

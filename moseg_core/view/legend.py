@@ -6,6 +6,7 @@ Drawn with Pillow's built-in font, which is the same everywhere.
 from __future__ import annotations
 
 import math
+from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -17,6 +18,8 @@ if TYPE_CHECKING:
     from PIL.ImageDraw import ImageDraw
     from PIL.ImageFont import FreeTypeFont, ImageFont
 
+#: No picture has room for as many characters on a line.
+_LONGEST = 1000
 _DARK, _FAINT, _PALE = (34, 34, 34), (110, 110, 110), (176, 176, 176)
 
 
@@ -241,11 +244,11 @@ def one_line(text: str) -> str:
 
 def _shortened(text: str, font: FreeTypeFont | ImageFont, width: float) -> str:
     """Cut a text that is too long to draw, and end it in three dots."""
-    if font.getlength(text) <= width:
+    if len(text) <= _LONGEST and font.getlength(text) <= width:
         return text
-    while text and font.getlength(text + "...") > width:
-        text = text[:-1]
-    return text + "..."
+    lengths = range(1, min(len(text), _LONGEST) + 1)
+    fits = bisect_right(lengths, width, key=lambda n: font.getlength(text[:n] + "..."))
+    return text[:fits] + "..."
 
 
 def _line_height(font: FreeTypeFont | ImageFont) -> int:
