@@ -297,6 +297,7 @@ def test_beads_are_counted(sides):
     assert len(result.parts) == len(sides)
     tried = result.history[TRIED]
     assert [record["parts"] for record in tried] == [2, 3, 4, 5]
+    assert {report.place for report in reports} == {f"number {k} of 4" for k in range(1, 5)}
     assert min(record["cost"] for record in tried) == pytest.approx(result.cost, rel=1e-9)
     assert all(record["empty"] == 0 for record in tried)
     # Each bead is one part, but for the bars between them.

@@ -74,6 +74,10 @@ def test_parts_go_by_their_labels():
     assert isinstance(result.segmentation, Segmentation)
     with pytest.raises(TypeError):
         result.parts["c"] = result.parts["a"]
+    with pytest.raises(KeyError, match="unknown part 'zz'; known: a, b"):
+        result.parts["zz"]
+    with pytest.raises(KeyError, match="unknown level 'a'"):
+        result.levels["a"]
 
 
 def test_the_cost_is_that_of_the_evaluation():

@@ -193,6 +193,15 @@ def test_progress_is_reported_stage_by_stage():
     assert search[-1].fraction == 1.0
 
 
+def test_progress_says_which_start_it_is():
+    seen = []
+    run(report=lambda progress: seen.append(progress), restarts=3, finalists=1)
+    places = list(dict.fromkeys(progress.place for progress in seen))
+    assert places[:3] == ["start 1 of 3", "start 2 of 3", "start 3 of 3"]
+    run(report=lambda progress: seen.append(progress), restarts=1)
+    assert seen[-1].place == ""
+
+
 def test_a_report_can_end_the_search():
     seen = []
 

@@ -12,9 +12,10 @@ from pathlib import Path
 import pytest
 
 from moseg_core.components.at_work import at_work
+from moseg_core.components.cost import Cost
 from moseg_core.components.protocols import Progress, never_stop
 from moseg_core.errors import ExpressionError, MosegError, PluginError, UsageError
-from moseg_core.search.workers import Workers, available_workers
+from moseg_core.search.workers import Workers, available_workers, bettered
 
 
 def square(x, *, report):
@@ -185,6 +186,16 @@ def test_enough_is_enough(count):
         found = workers.map("quick", [(k,) for k in range(6)], enough=lambda k, result: k == 0)
         assert found == list(range(count))
         assert workers.map("quick", [(2,), (3,)]) == [2, 3]  # only that was enough
+
+
+def test_the_progress_of_one_task_has_the_best_of_all():
+    first, other = (
+        Progress(stage="search", done=k, best=Cost(0, value)) for k, value in ((1, 0.5), (2, 0.3))
+    )
+    assert bettered(first, other) == Progress(stage="search", done=1, best=Cost(0, 0.3))
+    assert bettered(other, first).best == other.best
+    elsewhere = Progress(stage="polish", done=3, best=Cost(0, 0.1))
+    assert bettered(first, elsewhere) is first
 
 
 def test_numbers_of_workers():
