@@ -41,7 +41,7 @@ from moseg_core.shape.geometry import Geometry
 from moseg_core.shape.mesh import MOST_WELD, PolygonMesh
 from moseg_core.shape.moments import element_moments
 from moseg_core.shape.positions import WELD
-from moseg_core.shape.up import checked_up
+from moseg_core.shape.up import Up, checked_up
 from moseg_core.shape.volume.derived import deformed_volume
 from moseg_core.shape.volume.enclosed import enclosed_volume
 from moseg_core.shape.volume.estimated import estimated_volume
@@ -373,7 +373,7 @@ class Shape(ShapeData):
         note = f"{_ESTIMATE} {estimate.value:.6g}, {words}"
         return replace(self, enclosed=estimate, notes=(*kept, note))
 
-    def with_up(self, up: str | None) -> Shape:
+    def with_up(self, up: Up | None) -> Shape:
         """The same shape with another axis pointing up; nothing is turned.
 
         Parameters

@@ -50,7 +50,7 @@ def test_which_way_is_up_is_what_the_user_says(moseg, cloud, open_box):
     assert read_shape(cloud, ShapeFlags(up="-z", adjacency="knn")).up == "-z"
     for words in (["--up", "-z"], ["--up=-z"]):  # a value, not an option
         assert moseg("field", cloud, "no_such_field", *words).err.startswith("moseg: unknown field")
-    assert "'y'" in moseg("field", cloud, "thickness", "--up", "up").err
+    assert '"-z"' in moseg("field", cloud, "thickness", "--up", "up").err
 
 
 def test_a_file_that_is_not_there(tmp_path):
