@@ -78,9 +78,9 @@ def drawn(result: moseg.Result, faces: np.ndarray, title: str) -> Image.Image:
     piece = PolygonMesh.from_faces(mesh.vertices, mesh.triangles[faces[mesh.triangle_polygon]])
     two = [result.problem.labels.index(name) for name in BOUNDARY]
     part = (labels[faces] == two[1]).astype(int)
-    # The second view is the outside of the surface.
+    # The first view is the outside of the surface.
     picture = render_picture(
-        piece, part, BOUNDARY, title=title, size=HALF, up="y", views=["opposite"]
+        piece, part, BOUNDARY, title=title, size=HALF, up="y", views=["main"]
     )
     return Image.open(io.BytesIO(picture))
 

@@ -10,6 +10,7 @@ from typing import Annotated, Literal
 from cyclopts import App, Parameter
 
 from moseg_core.cli.collection import importing
+from moseg_core.cli.examples import show_examples
 from moseg_core.cli.flags import (
     Flag,
     PartFlags,
@@ -554,6 +555,7 @@ def install_completion(*, shell: Literal["bash", "fish", "zsh"] | None = None) -
     run_install_completion(app, shell)
 
 
+show_examples(app)
 # In the order of use, as in the overview.
 for place, name in enumerate(ENTRIES):
     if name in app and not name.startswith("-"):

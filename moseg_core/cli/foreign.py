@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from moseg_core.cli.app import app
+from moseg_core.cli.examples import show_examples
 from moseg_core.components.discovery.registry import registry
 from moseg_core.errors import UsageError, unknown
 
@@ -27,3 +28,4 @@ def add_foreign_command(asked: str) -> None:
         raise UsageError(f"{unknown('command', asked, known)} ({hint})")
     # An App has a help of its own; of a function the docstring is the help.
     app.command(registry().find("command", asked).load(), name=asked)
+    show_examples(app)

@@ -33,6 +33,10 @@ Sketched = Literal[
 def list_plugins(*, json: Flag = False) -> None:
     """List installed bundles, what they bring, and what is wrong with them.
 
+    Examples
+    --------
+    moseg plugin list
+
     Parameters
     ----------
     json
