@@ -79,9 +79,7 @@ def drawn(result: moseg.Result, faces: np.ndarray, title: str) -> Image.Image:
     two = [result.problem.labels.index(name) for name in BOUNDARY]
     part = (labels[faces] == two[1]).astype(int)
     # The first view is the outside of the surface.
-    picture = render_picture(
-        piece, part, BOUNDARY, title=title, size=HALF, up="y", views=["main"]
-    )
+    picture = render_picture(piece, part, BOUNDARY, title=title, size=HALF, up="y", views=["main"])
     return Image.open(io.BytesIO(picture))
 
 

@@ -155,7 +155,7 @@ def tune(
     no_open
         Do not open the browser; the address is printed.
     """
-    with importing():
+    with importing(), waiting("starting"):
         from moseg_core.cli.tune import run_tune
 
     run_tune(
@@ -251,7 +251,7 @@ def view(
     no_open
         Do not open the browser.
     """
-    with importing():
+    with importing(), waiting("starting"):
         from moseg_core.cli.view import run_view
 
     run_view(

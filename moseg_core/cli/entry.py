@@ -12,9 +12,11 @@ from moseg_core.cli.waiting import waiting
 from moseg_core.errors import MosegError, Terminated, UsageError
 
 #: Commands that import so much that a terminal is told at once that something goes on.
-_SLOW_TO_START = ("segment", "explain", "evaluate", "field", "render", "learn", "benchmark")
+_SLOW_TO_START = (
+    *("segment", "learn", "tune", "view", "render", "explain", "evaluate", "field", "benchmark"),
+)
 #: Commands that people give many shapes.
-_OF_ONE_SHAPE = ("segment", "explain", "field", "render")
+_OF_ONE_SHAPE = ("segment", "tune", "view", "render", "explain", "field")
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

@@ -22,7 +22,6 @@ from moseg_core.cli.flags import (
     SteeringFlags,
 )
 from moseg_core.cli.interrupt import stop_on_interrupt
-from moseg_core.cli.overview import present_entries
 from moseg_core.cli.reading import read_shape
 from moseg_core.cli.request import (
     centered,
@@ -191,7 +190,7 @@ def run_segment(
     elif not quiet:
         _print_tables(result)
     if not failures and failure is None and sys.stderr.isatty():
-        message(next_step(path, written), quiet=quiet)
+        message(next_step(path, outputs), quiet=quiet)
     failures += [] if failure is None else [failure]
     for untold in failures[:-1]:
         message(str(untold))
@@ -242,19 +241,19 @@ def next_step(shape: Path, written: Sequence[Path]) -> str:
 
     Examples
     --------
-    >>> next_step(Path("my horse.off"), [Path("a.png")])
+    >>> next_step(Path("horse.off"), [Path("a.glb"), Path("horse.json")])
+    'next: moseg view horse.off horse.json; moseg explain horse.json'
+    >>> next_step(Path("horse.off"), [Path("a.png")])
     'next: with -o result.json the result is kept, to be looked at, explained and gone on from'
     """
-    kept = next((file for file in written if file.suffix == ".json"), None)
+    kept = next((file for file in written if file.suffix.lower() == ".json"), None)
     if kept is None:
         return (
             "next: with -o result.json the result is kept, to be looked at, explained and gone on"
             " from"
         )
-    both = f"{shlex.quote(str(shape))} {shlex.quote(str(kept))}"
-    picture = shlex.quote(str(kept.with_suffix(".png")))
-    look = f"view {both}" if "view" in present_entries() else f"render {both} -o {picture}"
-    return f"next: moseg {look}; moseg explain {shlex.quote(str(kept))}"
+    result = shlex.quote(str(kept))
+    return f"next: moseg view {shlex.quote(str(shape))} {result}; moseg explain {result}"
 
 
 def _steered(

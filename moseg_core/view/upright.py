@@ -92,9 +92,13 @@ def find_standing(geometry: Geometry, up: Up | None) -> Standing:
     >>> find_standing(tent, None).said, find_standing(tent, "-x").said
     ('up: z, guessed', 'up: -x')
     """
+    return standing_of(geometry.vertices[geometry.triangles], up)
+
+
+def standing_of(corners: FloatArray, up: Up | None) -> Standing:
+    """The same of the corners of triangles, (T, 3, 3) float, in any units."""
     if up is not None:
         return Standing(up=up_direction(up), axis=up)
-    corners = geometry.vertices[geometry.triangles]
     own = standing_axes(corners)
     names: tuple[Up | None, ...] = (*get_args(Up), *[None] * 6)
     directions = np.concatenate([[up_direction(name) for name in get_args(Up)], own, -own])

@@ -19,6 +19,7 @@ from moseg_core.view.legend import one_line
 from moseg_core.view.page.content import PageContent
 from moseg_core.view.page.packing import MOST_POINTS, MOST_TRIANGLES, packed
 from moseg_core.view.palette import part_colors
+from moseg_core.view.upright import standing_of
 
 FORMAT = "moseg-page/1"
 """What the data say they are."""
@@ -63,7 +64,8 @@ def page_document(
         most_points=most_points,
     )
     stride = -(-len(shown.corners) // _LOOKED_AT)
-    right, up, front = standing_axes(shown.corners[::stride]).tolist()
+    corners = shown.corners[::stride]
+    right, up, front = standing_axes(corners, standing_of(corners, shape.up).up).tolist()
     noun = "triangle" if len(surface.triangles) else "point"
     notes = [one_line(warning) for warning in content.warnings]
     if shown.drawn < shown.known:
