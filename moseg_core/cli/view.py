@@ -11,7 +11,7 @@ from moseg_core.cli.reading import read_label_property, read_shape
 from moseg_core.components.discovery.registry import registry
 from moseg_core.errors import MosegError, UsageError
 from moseg_core.io import read_labels, read_result, write_file
-from moseg_core.io.files import check_destination
+from moseg_core.io.files import check_destination, instead_of
 from moseg_core.search.showing import open_page
 from moseg_core.shape.shape import Shape
 from moseg_core.view.page.content import PageContent, middle_places
@@ -30,10 +30,13 @@ def run_view(
 ) -> None:
     """Read shape and labels, and write the page, or open it."""
     if out is not None:
-        if out.suffix.lower() not in (".html", ".htm"):
+        if out.suffix.lower() != ".html":
             asked = f"'{out.suffix}'" if out.suffix else "a file without a suffix"
             raise UsageError(f"a page is written as .html, not {asked}")
         check_destination(out)
+    for path in (source, labels):
+        if path is not None and not path.exists():
+            raise UsageError(f"'{path}' does not exist{instead_of(path)}")
     if labels is None and source.suffix.lower() == ".json":
         shape, labels = _shape_of(source, reading), source
     else:
@@ -52,8 +55,6 @@ def run_view(
 
 def _content(shape: Shape, path: Path, label_property: str | None) -> PageContent:
     """What there is to show of the labels in a file: of a result its cost as well."""
-    if not path.exists():
-        raise UsageError(f"'{path}' does not exist")
     labelling = read_labels(path, shape, label_property=read_label_property(label_property))
     for note in labelling.notes:
         message(note)

@@ -58,7 +58,7 @@ def load(path: str | os.PathLike[str], *, source: Registry | None = None) -> Sha
     path = Path(path)
     component = (registry() if source is None else source).by_suffix("reader", path.suffix)
     if not path.exists():
-        raise ShapeError(f"'{path}' does not exist{_instead_of(path)}")
+        raise ShapeError(f"'{path}' does not exist{instead_of(path)}")
     if path.is_dir():
         raise ShapeError(f"'{path}' is a folder; name a file in it")
     reader = component.load()
@@ -75,7 +75,7 @@ def load(path: str | os.PathLike[str], *, source: Registry | None = None) -> Sha
     return shape
 
 
-def _instead_of(path: Path) -> str:
+def instead_of(path: Path) -> str:
     """What is there in place of a file that does not exist: the end of a message."""
     try:
         if not path.parent.is_dir():

@@ -105,7 +105,7 @@ def test_says_what_it_cannot_do(moseg, files):
         ((box, labels, "-o", folder / "x.pdf"), "a page is written as .html, not '.pdf'"),
         ((box, labels, "-o", folder / "no" / "x.html"), "there is no folder"),
         ((box, "-o", folder / "x.html"), "bears no labels"),
-        ((box, folder / "none.json", "-o", folder / "x.html"), "none.json"),
+        ((box, folder / "fond.json", "-o", folder / "x.html"), "did you mean"),
     ]:
         run = moseg("view", *words)
         assert run.code in (2, 3)
