@@ -7,42 +7,27 @@
 
 import {
   AmbientLight,
-  BufferAttribute,
-  BufferGeometry,
-  Color,
-  DirectionalLight,
-  DoubleSide,
   Group,
   HemisphereLight,
   LineBasicMaterial,
-  LineSegments,
   Mesh,
   MeshBasicMaterial,
-  MeshPhongMaterial,
-  PerspectiveCamera,
-  Points,
   Raycaster,
   Scene,
   SphereGeometry,
-  Spherical,
   Vector2,
   Vector3,
   WebGLRenderer,
   WebGLRenderTarget,
 } from "three";
-import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { LineMaterial } from "three/addons/lines/LineMaterial.js";
-import { LineSegments2 } from "three/addons/lines/LineSegments2.js";
-import { LineSegmentsGeometry } from "three/addons/lines/LineSegmentsGeometry.js";
 
-import { pointMaterial } from "./points.js";
+import { gather, Part } from "./part.js";
 import { cornerNormals, findEdges } from "./surface.js";
+import { Viewpoint } from "./viewpoint.js";
 
-const FIELD_OF_VIEW = 28; // degrees; narrow, so that parts far away look as large as they are
 const FARTHEST_APART = 1.1; // of an exploded part, in distances of its middle from the whole's
-const MARGIN = 1.12;
-const TOOLS = 68; // pixels at the lower end of the canvas that the tools take
-const [YAW, PITCH] = [Math.PI / 6, Math.PI / 9]; // of the first view; as in moseg_core/view/camera.py
+const BACK = 0.55; // how much further away an exploded shape is seen from
 const LINE_WIDTH = 2.25; // of boundaries, pixels
 
 export class Stage {
@@ -55,7 +40,6 @@ export class Stage {
   constructor(canvas, { geometry, view, colors }) {
     this.geometry = geometry;
     this.colors = colors;
-    this.view = threeQuarter(view);
     this.explosion = 0;
     this.shown = { boundaries: true, wires: false };
     this.isolated = null;
@@ -67,40 +51,20 @@ export class Stage {
     this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true });
     this.scene = new Scene();
     this.numbers = new Scene(); // the same parts, each in the colour of its number
-    this.camera = new PerspectiveCamera(FIELD_OF_VIEW, 1, 0.01, 50);
-    this.camera.up.copy(this.view.vertical);
-    this.#light();
-    this.controls = new OrbitControls(this.camera, canvas);
-    this.controls.enableDamping = true;
-    this.controls.dampingFactor = 0.12;
-    this.controls.minDistance = 0.05;
-    this.controls.maxDistance = 20;
-    this.controls.zoomToCursor = true;
-    this.controls.addEventListener("change", () => this.draw());
-    this.normals = geometry.triangles
-      ? cornerNormals(geometry.positions, geometry.triangles)
-      : null;
+    this.viewpoint = new Viewpoint(canvas, view, () => this.draw());
+    this.camera = this.viewpoint.camera;
+    this.controls = this.viewpoint.controls;
+    const sky = new HemisphereLight(0xffffff, 0x8a8f99, 0.95);
+    sky.position.set(...view.up);
+    this.scene.add(new AmbientLight(0xffffff, 0.55), sky, this.camera);
+    const { positions, triangles, normals } = geometry;
+    this.normals = triangles ? cornerNormals(positions, triangles) : normals;
+    this.boundaryMaterial = new LineMaterial({ linewidth: LINE_WIDTH });
+    this.wireMaterial = new LineBasicMaterial({ transparent: true, opacity: 0.28 });
     this.markers = new Group();
     this.scene.add(this.markers);
     this.parts = [];
     this.setLabels(geometry.labels);
-  }
-
-  #light() {
-    this.scene.add(new AmbientLight(0xffffff, 0.55));
-    const sky = new HemisphereLight(0xffffff, 0x8a8f99, 0.95);
-    sky.position.copy(this.view.vertical);
-    this.scene.add(sky);
-    // The key comes from over the viewer's left shoulder, wherever the viewer goes.
-    for (const [place, strength] of [
-      [[-0.5, 0.55, 0.67], 1.75],
-      [[0.9, -0.1, 0.3], 0.35],
-    ]) {
-      const lamp = new DirectionalLight(0xffffff, strength);
-      lamp.position.set(...place);
-      this.camera.add(lamp, lamp.target);
-    }
-    this.scene.add(this.camera);
   }
 
   // -- parts ------------------------------------------------------------------------------------
@@ -112,10 +76,17 @@ export class Stage {
     this.edges = null;
     const members = this.colors.map(() => []);
     labels.forEach((label, i) => members[label].push(i));
-    this.parts = members.map((list, k) => this.#part(k, Uint32Array.from(list)));
+    const { geometry, normals, pixels, cssPixels } = this;
+    this.parts = members.map((list, k) => {
+      const color = this.colors[k];
+      const part = { members: Uint32Array.from(list), geometry, normals, color, pixels, cssPixels };
+      return new Part(k, part);
+    });
     const whole = new Vector3();
     let mass = 0;
     for (const part of this.parts) {
+      this.scene.add(part.group);
+      this.numbers.add(part.twin);
       whole.addScaledVector(part.middle, part.mass);
       mass += part.mass;
     }
@@ -124,88 +95,23 @@ export class Stage {
     this.refresh();
   }
 
-  #part(k, members) {
-    const group = new Group();
-    const buffer = new BufferGeometry();
-    const { positions, triangles, pointSize: size } = this.geometry;
-    const { pixels, cssPixels } = this;
-    const color = this.colors[k];
-    const number = new Color().setRGB(((k + 1) >> 8) / 255, ((k + 1) & 255) / 255, 0);
-    let surface, twin, ghost;
-    if (triangles) {
-      buffer.setAttribute("position", new BufferAttribute(gather(positions, members, triangles), 3));
-      const normals = new Float32Array(9 * members.length);
-      members.forEach((t, i) => normals.set(this.normals.subarray(9 * t, 9 * t + 9), 9 * i));
-      buffer.setAttribute("normal", new BufferAttribute(normals, 3));
-      // Surfaces lie a little behind the lines that are drawn on them.
-      const behind = { polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 };
-      const material = new MeshPhongMaterial({
-        ...behind, color, side: DoubleSide, specular: 0x161616, shininess: 28,
-      });
-      surface = new Mesh(buffer, material);
-      twin = new Mesh(buffer, new MeshBasicMaterial({ color: number, side: DoubleSide }));
-      ghost = new MeshPhongMaterial({
-        ...behind, color: 0x8b95a5, side: DoubleSide, transparent: true, opacity: 0.1,
-        depthWrite: false,
-      });
-    } else {
-      const normals = gather(this.geometry.normals, members, null);
-      buffer.setAttribute("position", new BufferAttribute(gather(positions, members, null), 3));
-      buffer.setAttribute("normal", new BufferAttribute(normals, 3));
-      surface = new Points(buffer, pointMaterial({ color, size, pixels }));
-      twin = new Points(buffer, pointMaterial({ color: number, size, pixels: cssPixels, plain: true }));
-      ghost = pointMaterial({ color: 0x8b95a5, size, pixels, opacity: 0.07 });
-    }
-    const solid = surface.material;
-    twin.matrixAutoUpdate = false;
-    group.add(surface);
-    this.scene.add(group);
-    this.numbers.add(twin);
-    const { middle, mass } = middleOf(buffer.attributes.position.array, triangles !== null);
-    const part = { k, group, surface, twin, solid, ghost, members, middle, mass, lines: {} };
-    part.dispose = () => {
-      group.traverse((each) => each.geometry?.dispose());
-      for (const material of [solid, ghost, twin.material]) material.dispose();
-      group.removeFromParent();
-      twin.removeFromParent();
-    };
-    return part;
-  }
-
-  #edgesOf(k) {
+  #edgesOf(k, kind) {
     const { positions, triangles, elements } = this.geometry;
     this.edges ??= findEdges(positions, triangles, this.labels, elements, this.parts.length);
-    return {
-      boundaries: gather(positions, this.edges.boundaries[k], null),
-      wires: gather(positions, this.edges.wires[k], null),
-    };
+    return gather(positions, this.edges[kind][k], null);
   }
 
   #drawBoundaries() {
     if (!this.geometry.triangles) return;
-    this.boundaryMaterial ??= new LineMaterial({ color: 0x10151c, linewidth: LINE_WIDTH });
     for (const part of this.parts) {
-      const ends = this.#edgesOf(part.k).boundaries;
-      if (ends.length === 0) continue;
-      part.lines.boundaries = new LineSegments2(
-        new LineSegmentsGeometry().setPositions(ends),
-        this.boundaryMaterial,
-      );
-      part.group.add(part.lines.boundaries);
+      part.addWide("boundaries", this.#edgesOf(part.k, "boundaries"), this.boundaryMaterial);
     }
   }
 
   #drawWires() {
     if (!this.geometry.triangles) return;
-    this.wireMaterial ??= new LineBasicMaterial({
-      color: 0x10151c, transparent: true, opacity: 0.28,
-    });
     for (const part of this.parts) {
-      if (part.lines.wires) continue;
-      const buffer = new BufferGeometry();
-      buffer.setAttribute("position", new BufferAttribute(this.#edgesOf(part.k).wires, 3));
-      part.lines.wires = new LineSegments(buffer, this.wireMaterial);
-      part.group.add(part.lines.wires);
+      if (!part.lines.wires) part.addThin("wires", this.#edgesOf(part.k, "wires"), this.wireMaterial);
     }
   }
 
@@ -220,18 +126,12 @@ export class Stage {
   refresh() {
     if (this.shown.wires) this.#drawWires();
     for (const part of this.parts) {
-      const solid = this.isSolid(part.k);
-      part.group.visible = !this.hidden.has(part.k);
-      part.surface.material = solid ? part.solid : part.ghost;
-      part.surface.renderOrder = solid ? 0 : 1;
-      for (const [kind, lines] of Object.entries(part.lines)) {
-        lines.visible = solid && this.shown[kind];
-      }
-      part.group.position.copy(this.offset(part.k));
-      part.group.updateMatrixWorld();
-      part.twin.visible = solid;
-      part.twin.matrix.copy(part.group.matrixWorld);
-      part.twin.matrixWorldNeedsUpdate = true;
+      part.update({
+        offset: this.offset(part.k),
+        solid: this.isSolid(part.k),
+        hidden: this.hidden.has(part.k),
+        shown: this.shown,
+      });
     }
     for (const marker of this.markers.children) {
       marker.position.copy(marker.userData.place).add(this.offset(marker.userData.part));
@@ -248,9 +148,8 @@ export class Stage {
 
   /** Pull the parts apart, 0 not at all to 1; the viewer steps back to see them. */
   explode(amount) {
-    const step = (1 + 0.55 * amount) / (1 + 0.55 * this.explosion);
+    this.viewpoint.zoom((1 + BACK * amount) / (1 + BACK * this.explosion));
     this.explosion = amount;
-    this.camera.position.sub(this.controls.target).multiplyScalar(step).add(this.controls.target);
     this.refresh();
   }
 
@@ -271,64 +170,13 @@ export class Stage {
   }
 
   highlight(k) {
-    for (const part of this.parts) {
-      const glow = part.k === k ? 0.28 : 0;
-      if (part.solid.uniforms) part.solid.uniforms.glow.value = glow;
-      else part.solid.emissive.copy(part.solid.color).multiplyScalar(glow);
-    }
+    for (const part of this.parts) part.highlight(part.k === k);
     this.paint();
   }
 
-  // -- the viewer -------------------------------------------------------------------------------
-
   /** Look as at first: the whole shape fills the canvas. */
   resetView() {
-    const { right, up, toward } = this.view;
-    const [width, height] = this.size;
-    const whole = Math.tan((FIELD_OF_VIEW * Math.PI) / 360);
-    const run = (whole * width) / height;
-    const rise = whole * Math.max(0.5, 1 - TOOLS / height);
-    const { positions } = this.geometry;
-    const low = [Infinity, Infinity];
-    const high = [-Infinity, -Infinity];
-    const place = new Vector3();
-    const stride = 3 * Math.max(1, Math.floor(positions.length / 600000));
-    for (let i = 0; i < positions.length; i += stride) {
-      place.fromArray(positions, i);
-      [right, up].forEach((axis, j) => {
-        low[j] = Math.min(low[j], place.dot(axis));
-        high[j] = Math.max(high[j], place.dot(axis));
-      });
-    }
-    const target = right.clone().multiplyScalar((low[0] + high[0]) / 2);
-    target.addScaledVector(up, (low[1] + high[1]) / 2);
-    let distance = 0.1;
-    for (let i = 0; i < positions.length; i += stride) {
-      place.fromArray(positions, i).sub(target);
-      const across = Math.max(Math.abs(place.dot(right)) / run, Math.abs(place.dot(up)) / rise);
-      distance = Math.max(distance, MARGIN * across + place.dot(toward));
-    }
-    distance *= 1 + 0.55 * this.explosion;
-    this.controls.target.copy(target);
-    this.camera.position.copy(target).addScaledVector(toward, distance);
-    this.controls.update();
-    this.draw();
-  }
-
-  /** Turn about the target, by angles in radians. */
-  turn(across, upward) {
-    const { camera, controls } = this;
-    // OrbitControls' own spherical coordinates are about camera.up; so are these.
-    const toY = new Vector3(0, 1, 0);
-    const offset = camera.position.clone().sub(controls.target);
-    const level = camera.up.clone();
-    const quaternion = camera.quaternion.clone().setFromUnitVectors(level, toY);
-    const sphere = new Spherical().setFromVector3(offset.applyQuaternion(quaternion));
-    sphere.theta += across;
-    sphere.phi = Math.min(Math.PI - 0.01, Math.max(0.01, sphere.phi + upward));
-    offset.setFromSpherical(sphere).applyQuaternion(quaternion.invert());
-    camera.position.copy(controls.target).add(offset);
-    controls.update();
+    this.viewpoint.reset(this.geometry.positions, 1 + BACK * this.explosion);
     this.draw();
   }
 
@@ -344,27 +192,14 @@ export class Stage {
     this.draw();
   }
 
-  /** Come nearer, or go away where the factor is over 1. */
-  zoom(factor) {
-    const { camera, controls } = this;
-    camera.position.sub(controls.target).multiplyScalar(factor).add(controls.target);
-    controls.update();
-    this.draw();
-  }
-
   resize(width, height) {
     this.size = [width, height];
     this.renderer.setPixelRatio(Math.min(2, window.devicePixelRatio));
     this.renderer.setSize(width, height, false);
-    this.camera.aspect = width / height;
-    // What is in the middle is seen in the middle of the room over the tools.
-    this.camera.setViewOffset(width, height, 0, TOOLS / 2, width, height);
-    this.camera.updateProjectionMatrix();
+    this.cssPixels.value = this.viewpoint.resize(width, height);
+    this.pixels.value = this.cssPixels.value * this.renderer.getPixelRatio();
     this.target?.dispose();
     this.target = new WebGLRenderTarget(width, height);
-    const rise = 2 * Math.tan((FIELD_OF_VIEW * Math.PI) / 360);
-    this.pixels.value = (height * this.renderer.getPixelRatio()) / rise;
-    this.cssPixels.value = height / rise;
     this.draw();
   }
 
@@ -457,58 +292,8 @@ export class Stage {
   /** Lines that are seen on a dark page as well. */
   setDark(dark) {
     for (const material of [this.boundaryMaterial, this.wireMaterial]) {
-      material?.color.set(dark ? 0x05070a : 0x10151c);
+      material.color.set(dark ? 0x05070a : 0x10151c);
     }
     this.paint();
   }
-}
-
-/** From how a shape stands to a view of three sides of it. */
-function threeQuarter(stands) {
-  const [right, vertical, front] = ["right", "up", "front"].map((key) => new Vector3(...stands[key]));
-  const level = front.clone().multiplyScalar(Math.cos(YAW)).addScaledVector(right, -Math.sin(YAW));
-  return {
-    vertical,
-    right: right.multiplyScalar(Math.cos(YAW)).addScaledVector(front, Math.sin(YAW)),
-    up: vertical.clone().multiplyScalar(Math.cos(PITCH)).addScaledVector(level, -Math.sin(PITCH)),
-    toward: level.multiplyScalar(Math.cos(PITCH)).addScaledVector(vertical, Math.sin(PITCH)),
-  };
-}
-
-/** (3 n) coordinates of the vertices of some triangles, or of some vertices. */
-function gather(positions, members, triangles) {
-  const corners = triangles ? 3 : 1;
-  const found = new Float32Array(3 * corners * members.length);
-  for (let i = 0; i < members.length; i++) {
-    for (let j = 0; j < corners; j++) {
-      const from = 3 * (triangles ? triangles[3 * members[i] + j] : members[i]);
-      const to = 3 * (corners * i + j);
-      found[to] = positions[from];
-      found[to + 1] = positions[from + 1];
-      found[to + 2] = positions[from + 2];
-    }
-  }
-  return found;
-}
-
-/** Where the middle of a part is, by area, and how much there is of it. */
-function middleOf(coordinates, areTriangles) {
-  const middle = new Vector3();
-  let mass = 0;
-  const [a, b, c] = [new Vector3(), new Vector3(), new Vector3()];
-  const step = areTriangles ? 9 : 3;
-  for (let i = 0; i < coordinates.length; i += step) {
-    a.fromArray(coordinates, i);
-    let share = 1;
-    if (areTriangles) {
-      b.fromArray(coordinates, i + 3);
-      c.fromArray(coordinates, i + 6);
-      const sum = a.clone().add(b).add(c).divideScalar(3);
-      share = b.sub(a).cross(c.sub(a)).length() / 2;
-      a.copy(sum);
-    }
-    middle.addScaledVector(a, share);
-    mass += share;
-  }
-  return { middle: mass > 0 ? middle.divideScalar(mass) : middle, mass };
 }

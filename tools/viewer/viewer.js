@@ -38,7 +38,7 @@ function start() {
   } catch (error) {
     // The tables are of use without the scene.
     byId("failure").hidden = false;
-    byId("failure").append(make("span", {}, `This browser cannot draw in 3D (WebGL 2): ${error.message}`));
+    byId("failure").append(`This browser cannot draw in 3D (WebGL 2): ${error.message}`);
     document.body.classList.add("flat");
     return { page, state, centers, stage };
   }
@@ -137,7 +137,8 @@ function start() {
     const problem = byId("centers-problem");
     problem.hidden = missing.length + unspeakable.length === 0;
     problem.textContent = unspeakable.length > 0
-      ? `A name with a comma, an equals sign or a new line cannot be said in --centers: ${unspeakable.join("; ")}`
+      ? "A name with a comma, an equals sign or a new line cannot be said in --centers: " +
+        unspeakable.join("; ")
       : `Still without a centre: ${missing.join(", ")}. The option needs one for every label.`;
     const marks = [...centers.places].map(([part, at]) => ({ part, at, chosen: part === state.chosen }));
     stage.mark(state.placing ? marks : []);
@@ -190,13 +191,13 @@ function start() {
   // -- keyboard and controls --------------------------------------------------------------------
 
   const KEYS = {
-    ArrowLeft: () => stage.turn(-TURN, 0),
-    ArrowRight: () => stage.turn(TURN, 0),
-    ArrowUp: () => stage.turn(0, -TURN),
-    ArrowDown: () => stage.turn(0, TURN),
-    "+": () => stage.zoom(ZOOM),
-    "=": () => stage.zoom(ZOOM),
-    "-": () => stage.zoom(1 / ZOOM),
+    ArrowLeft: () => stage.viewpoint.turn(-TURN, 0),
+    ArrowRight: () => stage.viewpoint.turn(TURN, 0),
+    ArrowUp: () => stage.viewpoint.turn(0, -TURN),
+    ArrowDown: () => stage.viewpoint.turn(0, TURN),
+    "+": () => stage.viewpoint.zoom(ZOOM),
+    "=": () => stage.viewpoint.zoom(ZOOM),
+    "-": () => stage.viewpoint.zoom(1 / ZOOM),
     0: () => reset(),
     Home: () => reset(),
   };
