@@ -42,7 +42,7 @@ export function fillHeader(page) {
     `${page.parts.length} part${page.parts.length === 1 ? "" : "s"}`,
     `${page.measure} ${short(page.total)}`,
   ];
-  document.getElementById("facts").append(facts.join(" · "));
+  document.getElementById("facts").append(...facts.map((fact) => make("span", {}, fact)));
   if (page.cost !== null) {
     document.getElementById("cost").append(make("small", {}, "cost "), short(page.cost));
   }
