@@ -102,6 +102,8 @@ from moseg_core.search.variants import segment_variants as segment_variants
 from moseg_core.search.workers import Workers as Workers
 from moseg_core.search.workers import available_workers as available_workers
 from moseg_core.shape.adjacency import Adjacency as Adjacency
+from moseg_core.shape.appearance import Appearance as Appearance
+from moseg_core.shape.appearance import CornerValues as CornerValues
 from moseg_core.shape.coarse import coarsen as coarsen
 from moseg_core.shape.compiled import kernel as kernel
 from moseg_core.shape.data import Frame as Frame

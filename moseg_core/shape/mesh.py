@@ -22,6 +22,7 @@ import numpy as np
 import numpy.typing as npt
 
 from moseg_core.errors import ShapeError, UsageError
+from moseg_core.shape.appearance import Appearance
 from moseg_core.shape.geometry import FARTHEST, Geometry
 from moseg_core.shape.positions import WELD, Positions, find_positions
 from moseg_core.shape.triangulate import triangulate_polygons
@@ -50,12 +51,15 @@ class PolygonMesh(Geometry):
         The polygon that each triangle is a piece of; ascending.
     tolerance : float, model units
         How far vertices may lie apart and still be at one position.
+    appearance : Appearance or None
+        Texture coordinates, normals and materials of the polygons, where a reader kept them.
     """
 
     noun: ClassVar[str] = "face"
     kind: ClassVar[str] = "polygon mesh"
 
     tolerance: float = 0.0
+    appearance: Appearance | None = None
 
     @classmethod
     def from_faces(
@@ -166,6 +170,27 @@ class PolygonMesh(Geometry):
     def is_triangular(self) -> bool:
         """Whether every polygon is a triangle, so that triangles and polygons coincide."""
         return len(self.triangles) == self.n_polygons
+
+    @property
+    def triangle_corners(self) -> IntArray:
+        """(T, 3) int: for each corner of each triangle its place in :attr:`corners`.
+
+        Examples
+        --------
+        >>> square = PolygonMesh.from_faces([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]],
+        ...                                 [[1, 2, 3, 0]])
+        >>> square.corners[square.triangle_corners].tolist() == square.triangles.tolist()
+        True
+        """
+        if self.is_triangular:
+            return np.arange(len(self.corners)).reshape(-1, 3)
+        polygon = np.repeat(np.arange(self.n_polygons), np.diff(self.offsets))
+        # Corners in the order of their polygon and vertex, in which a triangle's are looked up.
+        code = polygon * len(self.vertices) + self.corners
+        order = np.argsort(code, kind="stable")
+        wanted = self.triangle_polygon[:, None] * len(self.vertices) + self.triangles
+        place: IntArray = order[np.searchsorted(code[order], wanted)]
+        return place
 
     @cached_property
     def edges(self) -> tuple[IntArray, IntArray]:

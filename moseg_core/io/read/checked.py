@@ -13,12 +13,14 @@ came, and hands on as the `notes` of the shape.
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 
 from moseg_core.errors import ShapeError
+from moseg_core.shape.appearance import Appearance
 from moseg_core.shape.geometry import FARTHEST
 from moseg_core.shape.mesh import PolygonMesh
 from moseg_core.shape.shape import Shape
@@ -125,6 +127,7 @@ def shape_from_polygons(
     corners: IntArray,
     offsets: IntArray,
     *,
+    appearance: Appearance | None = None,
     notes: Iterable[str] = (),
 ) -> Shape:
     """The shape that a file describes, named after the file.
@@ -137,6 +140,8 @@ def shape_from_polygons(
         Vertex indices from 0, one polygon after the other.
     offsets : (F + 1,) int
         Polygon ``f`` has the corners ``corners[offsets[f]:offsets[f + 1]]``.
+    appearance : Appearance, optional
+        What the file says of how the polygons look.
     notes : iterable of str
         What the reader passed over or repaired; the shape's first notes.
 
@@ -166,6 +171,7 @@ def shape_from_polygons(
             flat, bounds = corners.tolist(), offsets.tolist()
             faces = [flat[a:b] for a, b in pairwise(bounds)]
             mesh = PolygonMesh.from_faces(vertices, faces, notes=notes)
+        mesh = replace(mesh, appearance=appearance)
         return Shape.from_polygon_mesh(mesh, name=path.stem)
     except ShapeError as error:
         raise ShapeError(f"{path.name}: {error}") from error

@@ -2,7 +2,8 @@
 
 A label belongs to a face line, so face lines are kept one to one and in order, whatever objects,
 groups and materials they stand between, and a quad or larger polygon stays one polygon. Texture
-coordinates and normals do not cut the surface: corners are joined by position.
+coordinates and normals do not cut the surface: corners are joined by position. They and the names
+of materials are kept beside the polygons, for writers (:mod:`moseg_core.io.read.obj_appearance`).
 
 Programs add statements of their own (``e`` for the edges of MeshCNN). What is unknown and cannot be
 a damaged vertex or face line is passed over, and so are faces of one or two corners, which are no
@@ -15,6 +16,7 @@ one unless faces then name vertices that are missing; one that was cut inside a 
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -26,6 +28,11 @@ from moseg_core.io.read.checked import (
     shape_from_polygons,
     small_faces_note,
 )
+from moseg_core.io.read.obj_appearance import (
+    corner_numbers,
+    corner_values,
+    other_numbers,
+)
 from moseg_core.io.read.text_rows import (
     Row,
     integers,
@@ -34,6 +41,7 @@ from moseg_core.io.read.text_rows import (
     text_rows,
     word,
 )
+from moseg_core.shape.appearance import Appearance, material_runs
 from moseg_core.shape.shape import Shape
 from moseg_core.types import IntArray
 
@@ -88,7 +96,11 @@ def read_obj(path: Path) -> Shape:
     position_lines: list[int] = []
     faces: list[Row] = []
     face_lines: list[int] = []
-    defined: list[int] = []  # how many positions there were before each face
+    textures: list[Row] = []
+    texture_lines: list[int] = []
+    normals: list[Row] = []
+    normal_lines: list[int] = []
+    materials: list[tuple[int, str]] = []
     unknown: dict[bytes, list[int]] = {}
     small: list[int] = []
     for row, line in zip(rows, lines, strict=True):
@@ -102,7 +114,14 @@ def read_obj(path: Path) -> Shape:
                 continue
             faces.append(row)
             face_lines.append(line)
-            defined.append(len(positions))
+        elif keyword == b"vt":
+            textures.append(row)
+            texture_lines.append(line)
+        elif keyword == b"vn":
+            normals.append(row)
+            normal_lines.append(line)
+        elif keyword == b"usemtl":
+            materials.append((len(faces), b" ".join(row[1:]).decode("utf-8", "replace")))
         elif keyword not in _IGNORED:
             if (
                 keyword in _UNSUPPORTED
@@ -125,8 +144,26 @@ def read_obj(path: Path) -> Shape:
     if over > 0:
         notes[_MOST_NOTES - 1 :] = [f"{over + 1} more statements are unknown and passed over"]
     vertices = leading_floats(path, positions, position_lines, start=1)
-    corners, offsets = _faces(path, faces, face_lines, np.array(defined, np.int64), len(positions))
-    return shape_from_polygons(path, vertices, corners, offsets, notes=notes)
+    numbers, offsets = _faces(path, faces, face_lines)
+    sizes = np.diff(offsets)
+
+    def places(column: int, stated: list[int]) -> IntArray:
+        return _from_zero(numbers[:, column], stated, face_lines, sizes)
+
+    corners = places(0, position_lines)
+    _check_vertices(path, numbers[:, 0], corners, len(positions), line_of_item(offsets, face_lines))
+    texture, texture_notes = corner_values(
+        "texture coordinates", textures, numbers[:, 1] != 0, places(1, texture_lines)
+    )
+    shading, shading_notes = corner_values(
+        "normals", normals, numbers[:, 2] != 0, places(2, normal_lines)
+    )
+    names, polygon_materials = material_runs(materials, len(faces))
+    appearance = Appearance(
+        texture=texture, normals=shading, materials=names, polygon_materials=polygon_materials
+    )
+    notes += texture_notes + shading_notes
+    return shape_from_polygons(path, vertices, corners, offsets, appearance=appearance, notes=notes)
 
 
 def _times(found: list[int]) -> str:
@@ -144,13 +181,20 @@ def _unexpected(path: Path, keyword: bytes, line: int) -> ShapeError:
     return file_error(path, what, line=line)
 
 
-def _faces(
-    path: Path, rows: list[Row], lines: list[int], defined: IntArray, n_vertices: int
-) -> tuple[IntArray, IntArray]:
-    """Zero-based corners and offsets of the face lines.
+def _from_zero(numbers: IntArray, stated: list[int], faces: list[int], sizes: IntArray) -> IntArray:
+    """Numbers of corners counted from 0, negative where there is nothing of the number.
 
-    Numbers count from 1; negative ones count back from the last vertex defined before the face.
+    They count from 1; negative ones count back from the last of the statements that stand before
+    the face, by lines.
     """
+    if not numbers.size or numbers.min() >= 0:
+        return numbers - 1
+    defined = np.repeat(np.searchsorted(stated, faces), sizes)
+    return np.where(numbers < 0, numbers + defined, numbers - 1)
+
+
+def _faces(path: Path, rows: list[Row], lines: list[int]) -> tuple[IntArray, IntArray]:
+    """(C, 3) numbers of the corners of the face lines as they stand there, and offsets."""
     sizes = np.array([len(row) - 1 for row in rows], np.int64)
     if (sizes < 1).any():
         face = int(np.argmax(sizes < 1))
@@ -158,11 +202,27 @@ def _faces(
         raise file_error(path, what, line=lines[face])
     offsets = np.zeros(len(rows) + 1, np.int64)
     np.cumsum(sizes, out=offsets[1:])
-    line_of = line_of_item(offsets, lines)
-    tokens = [token.partition(b"/")[0] for row in rows for token in row[1:]]
-    numbers = integers(path, tokens, line_of)
-    corners = np.where(numbers > 0, numbers - 1, numbers + np.repeat(defined, sizes))
-    outside = (numbers == 0) | (corners < 0) | (corners >= n_vertices)
+    tokens = [token for row in rows for token in row[1:]]
+    numbers = np.zeros((len(tokens), 3), np.int64)
+    found = corner_numbers(tokens)
+    if found is not None:
+        numbers[:, : found.shape[1]] = found
+    else:
+        first = [token.partition(b"/")[0] for token in tokens]
+        numbers[:, 0] = integers(path, first, line_of_item(offsets, lines))
+        numbers[:, 1:] = other_numbers(tokens)
+    return numbers, offsets
+
+
+def _check_vertices(
+    path: Path,
+    numbers: IntArray,
+    corners: IntArray,
+    n_vertices: int,
+    line_of: Callable[[int], int],
+) -> None:
+    """Refuse faces that name vertices which are not there."""
+    outside = (corners < 0) | (corners >= n_vertices)
     if outside.any():
         corner = int(np.argmax(outside))
         what = (
@@ -170,4 +230,3 @@ def _faces(
             " (numbered from 1, or from -1 backwards); the file is cut off or damaged"
         )
         raise file_error(path, what, line=line_of(corner))
-    return corners, offsets

@@ -117,6 +117,7 @@ def of_triangles(mesh: PolygonMesh, triangles: IntArray) -> PolygonMesh:
         offsets=3 * np.arange(len(triangles) + 1),
         triangles=triangles,
         triangle_polygon=np.arange(len(triangles)),
+        appearance=None,
     )
 
 
