@@ -157,6 +157,18 @@ def moseg_writers() -> list[WriterSpec]:
             summary="the mesh or points with colour and label of every element",
         ),
         WriterSpec(
+            name="obj",
+            target=f"{module}:write_obj",
+            suffixes=(".obj",),
+            summary="the polygons as one named object for each part, with materials beside it",
+        ),
+        WriterSpec(
+            name="vtu",
+            target=f"{module}:write_vtu",
+            suffixes=(".vtu",),
+            summary="an unstructured grid of VTK: cells with label and area",
+        ),
+        WriterSpec(
             name="npz",
             target=f"{module}:write_npz",
             suffixes=(".npz",),

@@ -51,3 +51,31 @@ def up_direction(up: Up) -> FloatArray:
     direction = np.zeros(3)
     direction["xyz".index(up[-1])] = -1.0 if up.startswith("-") else 1.0
     return direction
+
+
+def turn_to_y(up: Up | None) -> FloatArray:
+    """(3, 3) float: the rotation that takes the axis which points up to +y, which is up in glTF.
+
+    Its entries are 0, 1 and -1: coordinates change places and signs, and lose nothing.
+
+    Parameters
+    ----------
+    up : {"x", "-x", "y", "-y", "z", "-z"} or None
+        As ``Shape.up``; None, where it is not known, turns nothing.
+
+    Examples
+    --------
+    >>> (turn_to_y("z") @ [1.0, 2.0, 3.0]).tolist()
+    [1.0, 3.0, -2.0]
+    """
+    turn = np.eye(3)
+    if up is None or up == "y":
+        return turn
+    axis, sign = "xyz".index(up[-1]), -1.0 if up[0] == "-" else 1.0
+    if axis == 1:
+        turn[1, 1] = turn[2, 2] = -1.0
+        return turn
+    # A quarter turn in the plane of the axis and y.
+    turn[axis, axis] = turn[1, 1] = 0.0
+    turn[1, axis], turn[axis, 1] = sign, -sign
+    return turn

@@ -9,7 +9,7 @@ from moseg_core.errors import UsageError
 from moseg_core.shape.coarse import coarsen
 from moseg_core.shape.shape import Shape
 from moseg_core.shape.subshape import subshape
-from moseg_core.shape.up import checked_up, up_direction
+from moseg_core.shape.up import checked_up, turn_to_y, up_direction
 from tests.shapes import sphere
 
 BALL = Shape.from_mesh(*sphere(3))
@@ -44,3 +44,22 @@ def test_what_is_made_of_a_shape_stands_as_it_does():
     # An embedding may lie anyhow; what it was made from is still known.
     bent = standing.deformed(standing.geometry.vertices * [1, 1, 2], space="long")
     assert (bent.up, bent.original.up) == (None, "-x")
+
+
+AXES = {"x": 0, "y": 1, "z": 2}
+
+
+@pytest.mark.parametrize("up", ["x", "-x", "y", "-y", "z", "-z"])
+def test_the_axis_comes_to_lie_on_y(up):
+    turn = turn_to_y(up)
+    axis = np.zeros(3)
+    axis[AXES[up[-1]]] = -1.0 if up[0] == "-" else 1.0
+    assert (turn @ axis).tolist() == [0.0, 1.0, 0.0]
+    np.testing.assert_array_equal(turn @ turn.T, np.eye(3))
+    assert np.linalg.det(turn) == pytest.approx(1.0)
+    assert set(np.unique(turn)) <= {-1.0, 0.0, 1.0}
+
+
+def test_nothing_turns_where_y_is_up_or_nothing_is_known():
+    for up in ("y", None):
+        np.testing.assert_array_equal(turn_to_y(up), np.eye(3))

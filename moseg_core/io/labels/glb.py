@@ -3,7 +3,8 @@
 Of the three the first is taken that tells triangles apart; ``--label-property`` says otherwise
 (node, mesh, material). A node without a name is called after its mesh. The triangles of a scene
 seldom stand in the order of the shape that they were made from, not in moseg's own either, so they
-come with their places (:mod:`moseg_core.io.labels.fitting`).
+come with their places (:mod:`moseg_core.io.labels.fitting`). A scene that moseg has turned so that
++y points up is turned back for that.
 """
 
 from __future__ import annotations
@@ -15,7 +16,8 @@ import numpy as np
 from moseg_core.io.labels.listing import Listing, Wanted, middles, numbered_names
 from moseg_core.io.labels.properties import chosen, plain
 from moseg_core.io.read.checked import file_error
-from moseg_core.io.read.glb_scene import read_glb, read_glb_pieces
+from moseg_core.io.read.glb_scene import read_glb, read_glb_pieces, read_glb_up
+from moseg_core.shape.up import turn_to_y
 
 
 def read_glb_labels(path: Path, wanted: Wanted) -> Listing:
@@ -73,7 +75,8 @@ def read_glb_labels(path: Path, wanted: Wanted) -> Listing:
         names=names,
         of="elements",
         notes=notes,
-        places=middles(read_glb(path).geometry),
+        # Rows multiplied by a turn from the right are turned back.
+        places=middles(read_glb(path).geometry) @ turn_to_y(read_glb_up(path)),
     )
 
 

@@ -13,6 +13,9 @@ scenes shows all nodes that are nobody's child, in order. Points and lines are l
 morph targets and animations are not applied: a mesh is read in the pose in which it was modelled,
 and stands where its node stands. One with a skin does not: its joints place it, and the format
 says to ignore its node. A mirroring placement turns its triangles over so that outsides stay out.
+
+Texture coordinates (``TEXCOORD_0``) and the names of materials are kept beside the triangles, for
+writers; images are not.
 """
 
 from __future__ import annotations
@@ -21,18 +24,25 @@ from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 
+from moseg_core.errors import ShapeError
 from moseg_core.io.read.checked import file_error, read_file, shape_from_polygons
 from moseg_core.io.read.glb_container import GlbFile, Json
+from moseg_core.shape.appearance import Appearance, CornerValues, material_runs
 from moseg_core.shape.shape import Shape
+from moseg_core.shape.up import Up
 from moseg_core.types import FloatArray, IntArray
 
 _TRIANGLES, _STRIP, _FAN = 4, 5, 6
 _NO_SURFACE = (0, 1, 2, 3)  # points and lines
 _COMPRESSED = "KHR_draco_mesh_compression"
 _INSTANCED = "EXT_mesh_gpu_instancing"
+
+UP = "moseg_up"
+"""In the extras of a scene that moseg wrote: the axis of the shape that its nodes turn to +y."""
 
 
 def read_glb(path: Path) -> Shape:
@@ -67,24 +77,77 @@ def read_glb(path: Path) -> Shape:
     points: list[FloatArray] = [np.empty((0, 3))]
     corners: list[IntArray] = [np.empty((0, 3), np.int64)]
     n_points = 0
+    textures: list[FloatArray] = []
+    materials: list[tuple[int, str]] = []
+    n_triangles = 0
     found: Counter[tuple[str, str]] = Counter()
     for node, mesh, placement in _placed_meshes(glb):
         found.update(_left_out(glb, node, mesh))
-        for _, vertices, triangles in _primitives(glb, mesh):
+        for primitive, vertices, triangles in _primitives(glb, mesh):
+            texture = _texture(glb, primitive, len(vertices))
+            if texture is None:
+                found["lists of texture coordinates that are damaged", "passed over"] += 1
+                texture = np.full((len(vertices), 2), np.nan)
+            textures.append(texture)
+            materials.append((n_triangles, _material(glb, primitive)))
+            n_triangles += len(triangles)
             if np.linalg.det(placement[:3, :3]) < 0:
                 triangles = triangles[:, [0, 2, 1]]
             points.append(_placed(vertices, placement))
             corners.append(triangles + n_points)
             n_points += len(vertices)
     flat = np.concatenate(corners).reshape(-1)
+    names, polygon_materials = material_runs(materials, n_triangles)
     shape = shape_from_polygons(
         path,
         np.concatenate(points),
         flat,
         np.arange(0, len(flat) + 1, 3),
+        appearance=Appearance(
+            texture=_corner_texture(textures, flat),
+            materials=names,
+            polygon_materials=polygon_materials,
+        ),
         notes=[*glb.notes, *(f"{what}: {count}; {done}" for (what, done), count in found.items())],
     )
     return shape.with_up("y")
+
+
+def _texture(glb: GlbFile, primitive: Json, n_vertices: int) -> FloatArray | None:
+    """(V, 2) texture coordinates with the second one up, NaN for none; None where damaged."""
+    attributes = glb.mapping(primitive, "attributes")
+    if "TEXCOORD_0" not in attributes:
+        return np.full((n_vertices, 2), np.nan)
+    try:
+        given = glb.array(attributes["TEXCOORD_0"]).astype(np.float64)
+    except ShapeError:  # no part hangs on them
+        return None
+    if given.shape != (n_vertices, 2) or not np.isfinite(given).all():
+        return None
+    # In glTF the second coordinate runs down from the upper edge.
+    return np.stack([given[:, 0], 1.0 - given[:, 1]], axis=1)
+
+
+def _corner_texture(textures: list[FloatArray], corners: IntArray) -> CornerValues | None:
+    """The texture coordinates of all vertices as those of corners; None where there are none."""
+    known = [np.isfinite(texture).all(axis=1) for texture in textures]
+    if not any(each.any() for each in known):
+        return None
+    values = np.nan_to_num(np.concatenate(textures))
+    return CornerValues(
+        values=values, corners=np.where(np.concatenate(known)[corners], corners, -1)
+    )
+
+
+def _material(glb: GlbFile, primitive: Json) -> str:
+    """The name of a primitive's material, or its number; empty where it has none."""
+    if "material" not in primitive:
+        return ""
+    number = primitive["material"]
+    try:
+        return _name(glb.item("materials", number)) or f"material {number}"
+    except ShapeError:  # a number of no material: where parts are does not hang on it
+        return ""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -136,6 +199,32 @@ def read_glb_pieces(path: Path) -> list[GlbPiece]:
                 )
             )
     return pieces
+
+
+def read_glb_up(path: Path) -> Up | None:
+    """The axis of the user's coordinates that a file of moseg's own turns to +y.
+
+    Parameters
+    ----------
+    path : Path
+
+    Returns
+    -------
+    {"x", "-x", "y", "-y", "z", "-z"} or None
+        None where nothing was turned, or another program wrote the file.
+
+    Raises
+    ------
+    ShapeError
+        As for :func:`read_glb`.
+    """
+    glb = GlbFile.parse(path, read_file(path))
+    if not glb.members(glb.document, "scenes"):
+        return None
+    scene = glb.item("scenes", glb.integer(glb.document, "scene", 0))
+    extras = scene.get("extras")
+    said = extras.get(UP) if isinstance(extras, dict) else None
+    return next((up for up in get_args(Up) if up == said), None)
 
 
 def _name(item: Json) -> str | None:

@@ -8,9 +8,13 @@ from __future__ import annotations
 from moseg_core.io.labels.writing import encode_seg
 from moseg_core.io.write.arrays import check_grid, encode_npy, encode_npz
 from moseg_core.io.write.glb import encode_glb
+from moseg_core.io.write.line_names import line_names
+from moseg_core.io.write.obj import encode_obj
 from moseg_core.io.write.ply import encode_ply, encode_points_ply
+from moseg_core.io.write.vtu import encode_vtu
 from moseg_core.search.result import Result
 from moseg_core.shape.mesh import PolygonMesh
+from moseg_core.shape.moments import element_moments
 from moseg_core.shape.shape import Shape
 from moseg_core.view.palette import part_colors
 from moseg_core.view.point_bodies import drawable
@@ -32,6 +36,32 @@ def write_ply(result: Result) -> bytes:
         return encode_points_ply(result.shape, labels, names, colors)
     source = None if result.clipped is None else result.clipped.source
     return encode_ply(surface, labels, names, colors, source=source)
+
+
+def write_obj(result: Result, *, name: str) -> dict[str, bytes]:
+    """The input's polygons as one object per part, with materials in a file beside it.
+
+    Of voxels the exposed faces, of points small octahedra.
+    """
+    names, (mesh, labels) = result.problem.labels, result.surface
+    # Not every program reads all of a line that names a file with blanks.
+    stem = line_names([name.rpartition(".")[0]], also=" #\\/:")[0]
+    materials = f"{stem}.mtl"
+    obj, mtl = encode_obj(
+        drawable(mesh), labels, names, part_colors(len(names)), materials_file=materials
+    )
+    return {name: obj, materials: mtl}
+
+
+def write_vtu(result: Result) -> bytes:
+    """An unstructured grid of VTK: a cell for every element, with its label and area."""
+    names, (geometry, labels) = result.problem.labels, result.surface
+    shape, clipped = result.shape, result.clipped
+    measure = "volume" if shape.solid else "area"
+    if clipped is None:
+        return encode_vtu(geometry, labels, names, {measure: shape.areas})
+    areas = element_moments(geometry, shape.frame.center).areas
+    return encode_vtu(geometry, labels, names, {measure: areas, "source": clipped.source})
 
 
 def write_npz(result: Result) -> bytes:
@@ -65,4 +95,5 @@ def check_writable(suffix: str, shape: Shape) -> None:
 def write_glb(result: Result) -> bytes:
     """A scene with one coloured node per part, named by its label."""
     names, (mesh, labels) = result.problem.labels, result.surface
-    return encode_glb(drawable(mesh), labels, names, part_colors(len(names)))
+    colors = part_colors(len(names))
+    return encode_glb(drawable(mesh), labels, names, colors, up=result.shape.up)

@@ -7,30 +7,43 @@ where one vertex would need several normals. What glTF asks for and files seldom
 are stored in proportion to light, not as sRGB values, so that viewers show the colours of the
 picture.
 
-Coordinates are the user's own, without a turn to the y-up of glTF. The format holds them in single
-precision, of which a shape far from the origin, on a map for example, would lose all that matters:
-so positions are those relative to the middle of the shape, and every node is placed there. The
-triangles are not in the order of the input: labels are found again by place, where the shape is at
-hand (``read_labels("x.glb", shape)``).
+Coordinates are the user's own. The format holds them in single precision, of which a shape far from
+the origin, on a map for example, would lose all that matters: so positions are those relative to
+the middle of the shape, and every node is placed there. In glTF +y points up. Where it is known
+that another axis does in the shape, the nodes turn it there, and the scene remembers from where
+(:data:`moseg_core.io.read.glb_scene.UP`). Texture coordinates are the input's, where a reader kept
+them.
+
+The triangles are not in the order of the input: labels are found again by place, where the shape is
+at hand (``read_labels("x.glb", shape)``).
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
 from moseg_core.errors import UsageError
+from moseg_core.io.read.glb_scene import UP
 from moseg_core.shape.geometry import Geometry
 from moseg_core.shape.labels import checked_labels
+from moseg_core.shape.mesh import PolygonMesh
+from moseg_core.shape.up import Up, turn_to_y
 from moseg_core.types import FloatArray, IntArray
 from moseg_core.view.normals import corner_normals
 from moseg_core.view.palette import checked_colors, linear_light
 
 
 def encode_glb(
-    mesh: Geometry, labels: npt.ArrayLike, names: Sequence[str], colors: npt.ArrayLike
+    mesh: Geometry,
+    labels: npt.ArrayLike,
+    names: Sequence[str],
+    colors: npt.ArrayLike,
+    *,
+    up: Up | None = None,
 ) -> bytes:
     """Encode a mesh as one named, coloured object per part.
 
@@ -44,6 +57,8 @@ def encode_glb(
         polygons are left out.
     colors : (n, 3) array_like of uint8
         Red, green and blue for each part, sRGB.
+    up : {"x", "-x", "y", "-y", "z", "-z"}, optional
+        The axis that points up, which nodes turn to +y.
 
     Returns
     -------
@@ -80,15 +95,20 @@ def encode_glb(
     root = "world"
     while root in names:
         root += "_"
-    scene = trimesh.Scene(base_frame=root)
+    turn = turn_to_y(up)
+    turned = bool((turn != np.eye(3)).any())
+    scene = trimesh.Scene(base_frame=root, metadata={UP: up} if turned else None)
     used = mesh.vertices[mesh.corners]
+    middle = (used.min(axis=0) + used.max(axis=0)) / 2.0
     placement = np.eye(4)
-    placement[:3, 3] = (used.min(axis=0) + used.max(axis=0)) / 2.0
+    placement[:3, :3], placement[:3, 3] = turn, turn @ middle
+    texture = _texture(mesh)
     for k, name in enumerate(names):
         chosen = part == k
         if not chosen.any():
             continue
-        vertices, vertex_normals, faces = _compact(mesh, mesh.triangles[chosen], normals[chosen])
+        places = None if texture is None else texture[chosen]
+        compact = _compact(mesh, mesh.triangles[chosen], normals[chosen], places)
         material = PBRMaterial(  # type: ignore[no-untyped-call]
             name=name,
             baseColorFactor=[*light[k].tolist(), 1.0],
@@ -98,10 +118,10 @@ def encode_glb(
         )
         scene.add_geometry(
             trimesh.Trimesh(
-                vertices=vertices - placement[:3, 3],
-                faces=faces,
-                vertex_normals=vertex_normals,
-                visual=TextureVisuals(material=material),  # type: ignore[no-untyped-call]
+                vertices=compact.vertices - middle,
+                faces=compact.triangles,
+                vertex_normals=compact.normals,
+                visual=TextureVisuals(uv=compact.texture, material=material),  # type: ignore[no-untyped-call]
                 process=False,
             ),
             node_name=name,
@@ -112,13 +132,40 @@ def encode_glb(
     return bytes(glb)
 
 
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Compact:
+    """Vertices that differ in place, normal or texture coordinates, and triangles over them."""
+
+    vertices: FloatArray
+    normals: FloatArray
+    texture: FloatArray | None
+    triangles: IntArray
+
+
 def _compact(
-    mesh: Geometry, triangles: IntArray, normals: FloatArray
-) -> tuple[FloatArray, FloatArray, IntArray]:
-    """Vertices and normals that differ, and the triangles over them."""
-    position = mesh.merged[triangles].reshape(-1)
+    mesh: Geometry, triangles: IntArray, normals: FloatArray, texture: FloatArray | None
+) -> _Compact:
     # Corners that share a normal share it to the last bit: it was computed once for all.
-    key = np.column_stack([position, normals.reshape(-1, 3)])
-    _, first, number = np.unique(key, axis=0, return_index=True, return_inverse=True)
-    vertices = mesh.vertices[triangles.reshape(-1)[first]]
-    return vertices, normals.reshape(-1, 3)[first], number.reshape(-1, 3)
+    columns = [mesh.merged[triangles].reshape(-1), normals.reshape(-1, 3)]
+    if texture is not None:
+        columns.append(texture.reshape(-1, 2))
+    _, first, number = np.unique(
+        np.column_stack(columns), axis=0, return_index=True, return_inverse=True
+    )
+    return _Compact(
+        vertices=mesh.vertices[triangles.reshape(-1)[first]],
+        normals=normals.reshape(-1, 3)[first],
+        texture=None if texture is None else texture.reshape(-1, 2)[first],
+        triangles=number.reshape(-1, 3),
+    )
+
+
+def _texture(mesh: Geometry) -> FloatArray | None:
+    """(T, 3, 2): texture coordinates of the corners of triangles, 0 where there are none."""
+    if not isinstance(mesh, PolygonMesh) or mesh.appearance is None:
+        return None
+    texture = mesh.appearance.texture
+    if texture is None:
+        return None
+    row = texture.corners[mesh.triangle_corners]
+    return np.where(row[..., None] >= 0, texture.values[row], 0.0)

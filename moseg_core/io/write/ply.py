@@ -3,8 +3,10 @@
 The file holds what was read, vertex for vertex and face for face: nothing is triangulated,
 joined or reordered, and coordinates keep all their digits, so that the labels can be used with
 the original file as well. Only a clipped mesh has other faces; its ``source`` says whose pieces
-they are. Viewers show the faces' ``red``, ``green`` and ``blue``; moseg reads
-the ``label`` and its names back (:mod:`moseg_core.io.read.ply`).
+they are. Faces have ``red``, ``green``, ``blue`` and ``label``, which moseg reads back with its
+names (:mod:`moseg_core.io.labels.ply`). Programs that know properties of vertices only, Blender for
+one, find the same there: a vertex has the label that most of its faces have. So along boundaries
+colours run into each other, where those of faces stay apart.
 
 The format is binary, little-endian, version 1.0. Of polygons with different numbers of corners
 the rows differ in size, which the format provides for and some readers do not expect (trimesh
@@ -20,11 +22,16 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from moseg_core.io.labels.fitting import heaviest
 from moseg_core.shape.cloud import PointCloud
 from moseg_core.shape.labels import checked_labels
 from moseg_core.shape.mesh import PolygonMesh
 from moseg_core.shape.shape import Shape
+from moseg_core.types import UNLABELLED, IntArray
 from moseg_core.view.palette import checked_colors
+
+_COLOR = tuple(f"property uchar {channel}" for channel in ("red", "green", "blue"))
+_GREY = np.array([128, 128, 128], np.uint8)  # of vertices that no face uses
 
 
 def encode_ply(
@@ -71,10 +78,17 @@ def encode_ply(
     [b'ply', b'format binary_little_endian 1.0', b'comment moseg label 0 tile']
     """
     label = checked_labels(mesh, labels, len(names)).astype(np.int64)
-    color = checked_colors(colors, names)[label]
+    palette = checked_colors(colors, names)
+    color = palette[label]
+    at_vertex = _vertex_labels(mesh, label)
+    vertices = np.empty(
+        len(mesh.vertices), [("place", "<f8", 3), ("color", "u1", 3), ("label", "<i4")]
+    )
+    vertices["place"], vertices["label"] = mesh.vertices, at_vertex
+    vertices["color"] = np.where(at_vertex[:, None] == UNLABELLED, _GREY, palette[at_vertex])
     header = [
         *_beginning(names),
-        *mesh_header(mesh),
+        *mesh_header(mesh, vertex=(*_COLOR, "property int label")),
         "property int label",
         *(() if source is None else ("property int source",)),
         "end_header\n",
@@ -82,7 +96,14 @@ def encode_ply(
     numbers = {"label": label} | ({} if source is None else {"source": source})
     whole = {name: column.astype("<i4") for name, column in numbers.items()}
     faces = face_rows(mesh, color, whole)
-    return "\n".join(header).encode() + mesh.vertices.astype("<f8").tobytes() + faces.tobytes()
+    return "\n".join(header).encode() + vertices.tobytes() + faces.tobytes()
+
+
+def _vertex_labels(mesh: PolygonMesh, label: IntArray) -> IntArray:
+    """(V,) int: the label that most faces of each vertex have; -1 where no face uses it."""
+    of_corner = np.repeat(label, np.diff(mesh.offsets))
+    ones = np.ones(len(of_corner))
+    return heaviest(mesh.corners, of_corner, ones, len(mesh.vertices))
 
 
 def encode_points_ply(
@@ -123,7 +144,7 @@ def encode_points_ply(
         *_beginning(names),
         f"element vertex {len(label)}",
         *(f"property double {axis}" for axis in axes),
-        *(f"property uchar {channel}" for channel in ("red", "green", "blue")),
+        *_COLOR,
         "property int label",
         "end_header\n",
     ]
@@ -141,14 +162,22 @@ def _beginning(names: Sequence[str]) -> list[str]:
     ]
 
 
-def mesh_header(mesh: PolygonMesh) -> list[str]:
-    """Header lines of vertices and faces, down to the colours of the faces."""
+def mesh_header(mesh: PolygonMesh, *, vertex: Sequence[str] = ()) -> list[str]:
+    """Header lines of vertices and faces, down to the colours of the faces.
+
+    Parameters
+    ----------
+    mesh : PolygonMesh
+    vertex : sequence of str
+        Lines of what vertices have beside their places.
+    """
     return [
         f"element vertex {len(mesh.vertices)}",
         *(f"property double {axis}" for axis in "xyz"),
+        *vertex,
         f"element face {mesh.n_polygons}",
         f"property list {'uchar' if _short(mesh) else 'int'} int vertex_indices",
-        *(f"property uchar {channel}" for channel in ("red", "green", "blue")),
+        *_COLOR,
     ]
 
 

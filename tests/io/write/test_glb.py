@@ -15,9 +15,13 @@ import pytest
 import trimesh
 
 from moseg_core.errors import ShapeError, UsageError
+from moseg_core.io.labels import read_labels
 from moseg_core.io.read.glb_scene import read_glb
 from moseg_core.io.write.glb import encode_glb
+from moseg_core.shape.appearance import Appearance, CornerValues
 from moseg_core.shape.mesh import PolygonMesh
+from moseg_core.shape.shape import Shape
+from moseg_core.shape.up import turn_to_y
 from moseg_core.view.palette import linear_light
 
 COLORS = [[65, 112, 216], [245, 153, 43], [18, 166, 141]]
@@ -190,3 +194,73 @@ def test_far_from_the_origin_nothing_is_lost(tmp_path):
     places = read_glb(path).geometry.vertices
     distance = np.linalg.norm(places[:, None] - far.vertices[None], axis=2).min(axis=1)
     assert distance.max() < 1e-6
+
+
+def textured(mesh):
+    """The same mesh with places in a texture: of the wall round and up, of the caps by x and y."""
+    places = np.where(
+        mesh.offsets[:-1].repeat(np.diff(mesh.offsets))[:, None] < 24 * 4,
+        np.stack([np.arctan2(*mesh.vertices.T[:2]), mesh.vertices[:, 2]], axis=1)[mesh.corners],
+        mesh.vertices[mesh.corners, :2],
+    )
+    values, row = np.unique(places, axis=0, return_inverse=True)
+    looks = Appearance(texture=CornerValues(values=values, corners=row.reshape(-1)))
+    return replace(mesh, appearance=looks)
+
+
+def test_texture_coordinates_come_along(tmp_path):
+    mesh, labels = jar()
+    mesh = textured(mesh)
+    data = encode_glb(mesh, labels, NAMES, COLORS)
+    expected = mesh.appearance.texture.values[mesh.appearance.texture.corners]
+    for part, name in enumerate(NAMES):
+        if name == "absent":
+            continue
+        triangles = labels[mesh.triangle_polygon] == part
+        found = scene_of(data).geometry[name]
+        np.testing.assert_allclose(
+            found.visual.uv[found.faces], expected[mesh.triangle_corners[triangles]], atol=1e-6
+        )
+    path = tmp_path / "x.glb"
+    path.write_bytes(data)
+    looks = read_glb(path).geometry.appearance
+    order = np.argsort(labels[mesh.triangle_polygon], kind="stable")
+    np.testing.assert_allclose(
+        looks.texture.values[looks.texture.corners],
+        expected[mesh.triangle_corners[order]].reshape(-1, 2),
+        atol=1e-6,
+    )
+    assert [looks.materials[k] for k in looks.polygon_materials] == ["body"] * 72 + ["lid"] * 24
+
+
+def test_no_texture_no_coordinates():
+    mesh, labels = jar()
+    tree = tree_of(encode_glb(mesh, labels, NAMES, COLORS))
+    attributes = [part["primitives"][0]["attributes"] for part in tree["meshes"]]
+    assert [set(each) for each in attributes] == [{"POSITION", "NORMAL"}] * 2
+
+
+@pytest.mark.parametrize("up", ["x", "-x", "-y", "z", "-z"])
+def test_what_is_up_is_turned_to_y_and_labels_come_back(up, tmp_path):
+    mesh, labels = jar()
+    mesh = replace(mesh, vertices=mesh.vertices + np.array([10.0, 20.0, 30.0]))
+    path = tmp_path / "x.glb"
+    path.write_bytes(encode_glb(mesh, labels, NAMES, COLORS, up=up))
+    turned = Shape.from_polygon_mesh(replace(mesh, vertices=mesh.vertices @ turn_to_y(up).T))
+    read = read_glb(path)
+    np.testing.assert_allclose(read.centroid, turned.centroid, rtol=1e-6)
+    np.testing.assert_allclose(read.frame.center, turned.frame.center, rtol=1e-6)
+    # The data are the user's: only the nodes turn.
+    plain = scene_of(encode_glb(mesh, labels, NAMES, COLORS))
+    for name, part in scene_of(path.read_bytes()).geometry.items():
+        np.testing.assert_array_equal(part.vertices, plain.geometry[name].vertices)
+    found = read_labels(path, Shape.from_polygon_mesh(mesh))
+    assert [found.names[k] for k in found.labels] == [NAMES[k] for k in labels]
+
+
+@pytest.mark.parametrize("up", [None, "y"])
+def test_nothing_turns_where_nothing_is_known_or_y_is_up(up):
+    mesh, labels = jar()
+    data = encode_glb(mesh, labels, NAMES, COLORS, up=up)
+    assert data == encode_glb(mesh, labels, NAMES, COLORS)
+    assert "extras" not in tree_of(data)["scenes"][0]

@@ -37,7 +37,7 @@ def literal_rows(data):
         at += struct.calcsize(code)
         return values
 
-    vertices = [take("<3d") for _ in range(counts["vertex"])]
+    vertices = [(take("<3d"), take("<3B"), take("<i")[0]) for _ in range(counts["vertex"])]
     faces = []
     for _ in range(counts["face"]):
         (size,) = take(length)
@@ -55,7 +55,12 @@ def test_vertices_and_polygons_stay_as_they_are(faces, seed):
     labels = np.random.default_rng(seed).integers(0, 3, len(faces))
     mesh = PolygonMesh.from_faces(CORNERS, faces)
     lines, vertices, rows = literal_rows(encode_ply(mesh, labels, ["a", "b", "c"], COLORS))
-    assert vertices == [tuple(point) for point in CORNERS.tolist()]
+    assert [place for place, _, _ in vertices] == [tuple(point) for point in CORNERS.tolist()]
+    for number, (_, color, label) in enumerate(vertices):
+        votes = [labels[f] for f, face in enumerate(faces) for c in face if c == number]
+        best = max(map(votes.count, votes), default=0)
+        assert label in ([k for k in votes if votes.count(k) == best] or [-1])
+        assert color == (tuple(COLORS[label]) if votes else (128, 128, 128))
     expected = zip(faces, labels.tolist(), strict=True)
     assert rows == [(face, COLORS[label], label) for face, label in expected]
     assert lines[:2] == ["ply", "format binary_little_endian 1.0"]
@@ -73,6 +78,10 @@ def test_header_in_full():
         "property double x",
         "property double y",
         "property double z",
+        "property uchar red",
+        "property uchar green",
+        "property uchar blue",
+        "property int label",
         "element face 1",
         "property list uchar int vertex_indices",
         "property uchar red",
@@ -100,10 +109,15 @@ def test_trimesh_shows_the_colors():
     loaded = trimesh.load(io.BytesIO(data), file_type="ply", process=False)
     np.testing.assert_array_equal(loaded.vertices, ball.vertices)
     np.testing.assert_array_equal(loaded.faces, ball.faces)
-    assert loaded.visual.kind == "face"
-    np.testing.assert_array_equal(loaded.visual.face_colors[:, :3], np.array(COLORS)[labels])
-    raw = loaded.metadata["_ply_raw"]["face"]["data"]
-    np.testing.assert_array_equal(raw["label"], labels)
+    raw = loaded.metadata["_ply_raw"]
+    face, vertex = raw["face"]["data"], raw["vertex"]["data"]
+    np.testing.assert_array_equal(face["label"], labels)
+    rgb = np.column_stack([face[channel] for channel in ("red", "green", "blue")])
+    np.testing.assert_array_equal(rgb, np.array(COLORS)[labels])
+    # Of two colours trimesh shows those of vertices.
+    assert loaded.visual.kind == "vertex"
+    shown = np.array(COLORS)[vertex["label"].reshape(-1)]
+    np.testing.assert_array_equal(loaded.visual.vertex_colors[:, :3], shown)
 
 
 def test_moseg_reads_back_what_it_wrote(tmp_path):
