@@ -45,7 +45,7 @@ from moseg_core.io.part_files import (
     part_paths,
 )
 from moseg_core.io.result_json import SavedResult, evaluation_document
-from moseg_core.io.write.formats import check_writable
+from moseg_core.io.write.formats import check_writable, output_note
 from moseg_core.problem.label_sets import set_text
 from moseg_core.problem.slow_calls import naming_slow_calls
 from moseg_core.problem.statement import SEPARATOR
@@ -123,8 +123,10 @@ def run_segment(
     for output in outputs:
         if is_for_parts(output):
             check_part_form(output, shape, form)
-        else:
-            check_writable(output.suffix, shape)
+            continue
+        check_writable(output.suffix, shape)
+        if note := output_note(output.suffix, shape):
+            message(f"{output.name}: {note}", quiet=quiet)
     if earlier is not None and earlier.shape.get("fingerprint") != shape.fingerprint:
         message(
             f"warning: {steering.start} is a result of another shape,"

@@ -92,6 +92,31 @@ def check_writable(suffix: str, shape: Shape) -> None:
         check_grid(shape)
 
 
+def output_note(suffix: str, shape: Shape) -> str:
+    """What a user should know of a file that is to be written; empty for nothing.
+
+    Parameters
+    ----------
+    suffix : str
+        Such as ".glb".
+    shape : Shape
+
+    Examples
+    --------
+    >>> shape = Shape.from_points([[0, 0, 0], [1, 0, 0], [0, 1, 0]])
+    >>> output_note(".glb", shape.with_up("z"))
+    "turned so that the shape's z points up in glTF too, where y does; labels still fit the shape"
+    >>> output_note(".glb", shape), output_note(".ply", shape.with_up("z"))
+    ('', '')
+    """
+    if suffix.lower() != ".glb" or shape.up in (None, "y"):
+        return ""
+    return (
+        f"turned so that the shape's {shape.up} points up in glTF too, where y does; labels still"
+        " fit the shape"
+    )
+
+
 def write_glb(result: Result) -> bytes:
     """A scene with one coloured node per part, named by its label."""
     names, (mesh, labels) = result.problem.labels, result.surface
