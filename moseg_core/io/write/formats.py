@@ -11,6 +11,7 @@ from moseg_core.io.write.glb import encode_glb
 from moseg_core.io.write.line_names import line_names
 from moseg_core.io.write.obj import encode_obj
 from moseg_core.io.write.ply import encode_ply, encode_points_ply
+from moseg_core.io.write.threemf import check_solids
 from moseg_core.io.write.vtu import encode_vtu
 from moseg_core.search.result import Result
 from moseg_core.shape.mesh import PolygonMesh
@@ -90,6 +91,8 @@ def check_writable(suffix: str, shape: Shape) -> None:
     """
     if suffix.lower() == ".npy":
         check_grid(shape)
+    if suffix.lower() == ".3mf":
+        check_solids(shape)
 
 
 def output_note(suffix: str, shape: Shape) -> str:

@@ -20,7 +20,10 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 import numpy.typing as npt
 
+from moseg_core.errors import UsageError
 from moseg_core.io.write.line_names import line_names
+from moseg_core.shape.cloud import PointCloud
+from moseg_core.shape.shape import Shape
 from moseg_core.types import FloatArray, IntArray
 from moseg_core.view.palette import checked_colors
 
@@ -60,6 +63,21 @@ class Solid:
     triangles: IntArray
 
 
+def check_solids(shape: Shape) -> None:
+    """Refuse what has no parts that could be closed.
+
+    Raises
+    ------
+    UsageError
+        The shape is a point cloud.
+    """
+    if isinstance(shape.geometry, PointCloud):
+        raise UsageError(
+            f"'{shape.name}' is a point cloud, and a .3mf file holds solids; points can be written"
+            " as .ply, .glb or .vtu"
+        )
+
+
 def encode_3mf(solids: Sequence[Solid], colors: npt.ArrayLike, *, name: str) -> bytes:
     """Encode parts as the objects of an assembly.
 
@@ -93,7 +111,7 @@ def encode_3mf(solids: Sequence[Solid], colors: npt.ArrayLike, *, name: str) -> 
     shades = checked_colors(colors, names)
     called = [quoteattr(each) for each in line_names([*names, name])]
     bases, objects, components = [], [], []
-    for solid, said, shade in zip(solids, called, shades, strict=False):
+    for solid, said, shade in zip(solids, called[:-1], shades, strict=True):
         mesh = _mesh(solid)
         if not mesh:
             continue
@@ -135,7 +153,7 @@ def _mesh(solid: Solid) -> list[str]:
         return []
     used, corners = np.unique(corners, return_inverse=True)
     # repr() keeps all digits of a float, and no more.
-    places = [
+    points = [
         f'<vertex x="{x!r}" y="{y!r}" z="{z!r}"/>' for x, y, z in solid.vertices[used].tolist()
     ]
     faces = [
