@@ -169,7 +169,7 @@ def moseg_writers() -> list[WriterSpec]:
             summary="an unstructured grid of VTK: cells with label and area",
         ),
         WriterSpec(
-            name="3mf",
+            name="threemf",
             target="moseg_core.io.solid_files:write_3mf",
             suffixes=(".3mf",),
             summary="one closed, coloured solid for each part, for printing",

@@ -110,7 +110,9 @@ def encode_3mf(solids: Sequence[Solid], colors: npt.ArrayLike, *, name: str) -> 
     names = [solid.name for solid in solids]
     shades = checked_colors(colors, names)
     called = [quoteattr(each) for each in line_names([*names, name])]
-    bases, objects, components = [], [], []
+    bases: list[str] = []
+    objects: list[str] = []
+    components: list[str] = []
     for solid, said, shade in zip(solids, called[:-1], shades, strict=True):
         mesh = _mesh(solid)
         if not mesh:
