@@ -103,10 +103,10 @@ def save(
     ----------
     result : Result
     path : path-like
-        ``.json``, ``.seg``, ``.ply``, ``.glb``, ``.npz``, ``.npy``, ``.png``, ``.svg``, or what
-        installed bundles add. With ``{part}`` in its name, one file for each part:
-        ``parts/{part}.stl``, or ``.obj``, ``.ply``, ``.glb``; the last folder is made where it
-        lacks.
+        ``.json``, ``.seg``, ``.ply``, ``.obj``, ``.glb``, ``.vtu``, ``.3mf``, ``.npz``, ``.npy``,
+        ``.png``, ``.svg``, or what installed bundles add. With ``{part}`` in its name, one file
+        for each part: ``parts/{part}.stl``, or ``.obj``, ``.ply``, ``.glb``; the last folder is
+        made where it lacks.
     close : bool
         Each part as a closed solid; this and the next two with ``{part}`` only.
     hulls : bool
@@ -223,6 +223,8 @@ def _wrong_name(name: object, path: Path) -> str:
     """What is wrong with the name of a file that is to be beside a path; empty for nothing."""
     if not isinstance(name, str):
         return "no name"
+    if name == path.name:
+        return ""  # the user's own, of any letters that the system takes
     parts = name.split("/")
     if any(part in ("", ".", "..") for part in parts) or set(name) & _NOT_IN_NAMES:
         return "a name that is not relative or not safe"

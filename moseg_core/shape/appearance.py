@@ -75,6 +75,12 @@ class Appearance:
     materials: tuple[str, ...] = ()
     polygon_materials: IntArray | None = None
 
+    @property
+    def several_materials(self) -> bool:
+        """Whether materials tell polygons apart: several, or one that some polygons lack."""
+        numbers = self.polygon_materials
+        return numbers is not None and (len(self.materials) > 1 or bool((numbers < 0).any()))
+
     def __post_init__(self) -> None:
         if self.polygon_materials is not None:
             frozen(self.polygon_materials)

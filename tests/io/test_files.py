@@ -121,6 +121,12 @@ def test_a_writer_that_takes_a_name_may_return_several_files(acme, tmp_path, box
     assert (tmp_path / "maps" / "skin.png").read_bytes() == b"skin"
 
 
+def test_a_name_that_the_user_chose_is_not_held_against_the_writer(acme, tmp_path, box):
+    source = acme(tee=lambda result, *, name: {name: b"mesh", "x.mtl": b"materials"})
+    save(result_on(box), tmp_path / "a:b.tee", source=source)
+    assert sorted(os.listdir(tmp_path)) == ["a:b.tee", "x.mtl"]
+
+
 @pytest.mark.parametrize(
     ("name", "says"),
     [

@@ -12,7 +12,7 @@ the origin, on a map for example, would lose all that matters: so positions are 
 the middle of the shape, and every node is placed there. In glTF +y points up. Where it is known
 that another axis does in the shape, the nodes turn it there, and the scene remembers from where
 (:data:`moseg_core.io.read.glb_scene.UP`). Texture coordinates are the input's, where a reader kept
-them.
+them, and so are names of materials (:mod:`moseg_core.io.write.glb_materials`).
 
 The triangles are not in the order of the input: labels are found again by place, where the shape is
 at hand (``read_labels("x.glb", shape)``).
@@ -28,6 +28,7 @@ import numpy.typing as npt
 
 from moseg_core.errors import UsageError
 from moseg_core.io.read.glb_scene import UP
+from moseg_core.io.write.glb_materials import Runs, material_order, split_primitives
 from moseg_core.shape.geometry import Geometry
 from moseg_core.shape.labels import checked_labels
 from moseg_core.shape.mesh import PolygonMesh
@@ -103,10 +104,14 @@ def encode_glb(
     placement = np.eye(4)
     placement[:3, :3], placement[:3, 3] = turn, turn @ middle
     texture = _texture(mesh)
+    looks = mesh.appearance if isinstance(mesh, PolygonMesh) else None
+    runs: dict[str, Runs] = {}
     for k, name in enumerate(names):
-        chosen = part == k
-        if not chosen.any():
+        chosen = np.flatnonzero(part == k)
+        if not len(chosen):
             continue
+        order, runs[name] = material_order(name, looks, mesh.triangle_polygon[chosen])
+        chosen = chosen[order]
         places = None if texture is None else texture[chosen]
         compact = _compact(mesh, mesh.triangles[chosen], normals[chosen], places)
         material = PBRMaterial(  # type: ignore[no-untyped-call]
@@ -128,7 +133,11 @@ def encode_glb(
             geom_name=name,
             transform=placement,
         )
-    glb = scene.export(file_type="glb", include_normals=True)  # type: ignore[no-untyped-call]
+    glb = scene.export(  # type: ignore[no-untyped-call]
+        file_type="glb",
+        include_normals=True,
+        tree_postprocessor=lambda tree: split_primitives(tree, runs),
+    )
     return bytes(glb)
 
 

@@ -7,7 +7,7 @@ an object (``o``) and a group (``g``) of its name, so that programs that look at
 the polygons of a part stand together, in the order of the input.
 
 Materials (``usemtl``) are called like parts and have their colours; the file beside it defines them
-(``.mtl``). Where the input has materials of its own, which parts cut across, there is one for each
+(``.mtl``). Where the input has several materials, which parts cut across, there is one for each
 that a part has, ``part.material``: so no assignment is lost, and the part still shows its colour.
 Their colours are sRGB values, as most programs read them.
 
@@ -86,7 +86,7 @@ def encode_obj(
     label = label[element]
     looks = (mesh.appearance if isinstance(mesh, PolygonMesh) else None) or Appearance()
     material = looks.polygon_materials
-    if material is None:
+    if material is None or not looks.several_materials:
         material = np.full(len(label), -1)
     own = line_names(looks.materials, also=_MEANINGFUL)
 
