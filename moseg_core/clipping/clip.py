@@ -9,6 +9,8 @@ centres (:mod:`moseg_core.clipping.bisector`), or wherever two parts are equally
    parts is cut at their bisector, once for all faces that share it, so that nothing cracks
    (:mod:`moseg_core.clipping.net`).
 2. Each face is divided between its corners along its cuts (:mod:`moseg_core.clipping.pieces`).
+   Texture coordinates and normals of new corners are between those of the face
+   (:mod:`moseg_core.clipping.looks`).
 
 Where the flooding of Algorithm 1 decided, and not the bisector, a boundary stays on mesh edges.
 A part of which nothing would be left keeps all its faces.
@@ -19,7 +21,7 @@ vertices (`places`) and made at the same fraction of the original edges.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -27,6 +29,7 @@ import numpy.typing as npt
 
 from moseg_core.clipping.bisector import Bisectors
 from moseg_core.clipping.boundaries import Boundaries
+from moseg_core.clipping.looks import looks_of_pieces
 from moseg_core.clipping.net import Net
 from moseg_core.clipping.pieces import divide
 from moseg_core.errors import ShapeError, UsageError
@@ -163,7 +166,9 @@ def clip_along(
         pieces = divide(net, net.cuts(kept))
         lost = np.setdiff1d(label, pieces.labels)
         if not len(lost):
-            return Clipped(mesh=pieces.mesh, labels=pieces.labels, source=pieces.source)
+            looks = looks_of_pieces(mesh, pieces.mesh, pieces.source)
+            pieced = replace(pieces.mesh, appearance=looks)
+            return Clipped(mesh=pieced, labels=pieces.labels, source=pieces.source)
         kept[lost] = True
 
 

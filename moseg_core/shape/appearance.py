@@ -4,7 +4,8 @@ None of it has a say in where parts are. It travels with the mesh, corner by cor
 arrive in the next program as the modeller left them: with the UVs that a texture is laid out by,
 the normals that shade it, and the names of its materials. Readers fill it in
 (:mod:`moseg_core.io.read.obj`, :mod:`moseg_core.io.read.glb_scene`), writers of the same formats
-write it out again; whatever cuts or regroups polygons leaves it out.
+write it out again. Pieces of cut polygons have it too (:mod:`moseg_core.clipping.looks`); what
+regroups polygons otherwise leaves it out.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """Parts of a GLB file that are made of several materials of the input.
 
-trimesh writes one primitive for a mesh, with one material. Where the input has several materials, the
-triangles of a part come sorted by them, and here the primitive becomes one for each run: the same
-vertices, a stretch of the same list of triangles, and a material called ``part.material``, of the
-colour of the part. So no assignment is lost, and a program can put the user's own in their
+trimesh writes one primitive for a mesh, with one material. Where the input has several materials,
+the triangles of a part come sorted by them, and here the primitive becomes one for each run: the
+same vertices, a stretch of the same list of triangles, and a material called ``part.material``, of
+the colour of the part. So no assignment is lost, and a program can put the user's own in their
 place, as for OBJ files (:mod:`moseg_core.io.write.obj`).
 """
 
