@@ -60,6 +60,9 @@ from moseg_core.search.variants import check_variants, solve_variants, tried_set
 #: Seconds after which an objective that has not answered is named.
 PATIENCE = 10.0
 
+#: Files of one output that are listed by name when they were written; of more it is the number.
+_LISTED = 3
+
 
 def run_segment(
     path: Path,
@@ -226,7 +229,7 @@ def _save(
         except MosegError as error:
             failures.append(error)
         else:
-            many = is_for_parts(output)
+            many = is_for_parts(output) or len(files) > _LISTED
             written += [f"{output} ({len(files)} files)"] if many else map(str, files)
     return written, failures, notes
 
