@@ -7,12 +7,14 @@ cuts capped, where it can be closed, else of its hull. Parts that are flat have 
 given some thickness (:func:`moseg_core.part_meshes`).
 
 A body's frame lies in its centre of mass, with the axes of the shape. Meshes are written relative
-to it, so that single precision loses nothing of a shape that is far from the origin. :mod:`urdf
-<moseg_robotics.urdf>` and :mod:`mjcf <moseg_robotics.mjcf>` write the bodies.
+to it, so that single precision loses nothing of a shape that is far from the origin. Simulators
+have z up: where it is known that another axis of the shape points up, the whole is turned.
+:mod:`urdf <moseg_robotics.urdf>` and :mod:`mjcf <moseg_robotics.mjcf>` write the bodies.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TypeAlias
@@ -147,6 +149,30 @@ def mesh_files(bodies: Iterable[Body], folder: str) -> dict[str, bytes]:
         files[f"{folder}/{body.name}.obj"] = str(text).encode()
         files[f"{folder}/{body.hull_name}.stl"] = export_stl(body.hull)
     return files
+
+
+def turn_upright(up: str | None) -> tuple[float, float, float]:
+    """Roll, pitch and yaw, radians, that turn an axis of a shape to +z.
+
+    Parameters
+    ----------
+    up : {"x", "-x", "y", "-y", "z", "-z"} or None
+        As :attr:`moseg_core.Shape.up`; nothing is turned where it is not known.
+
+    Examples
+    --------
+    >>> turn_upright("z"), turn_upright(None)
+    ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+    """
+    quarter = math.pi / 2.0
+    turns = {
+        "x": (0.0, -quarter, 0.0),
+        "-x": (0.0, quarter, 0.0),
+        "y": (quarter, 0.0, 0.0),
+        "-y": (-quarter, 0.0, 0.0),
+        "-z": (math.pi, 0.0, 0.0),
+    }
+    return turns.get(up or "z", (0.0, 0.0, 0.0))
 
 
 def number(*values: float) -> str:

@@ -12,7 +12,7 @@ from __future__ import annotations
 from xml.etree import ElementTree as Xml
 
 from moseg_core import Result
-from moseg_robotics.bodies import Body, bodies_of, mesh_files, number
+from moseg_robotics.bodies import Body, bodies_of, mesh_files, number, turn_upright
 
 
 def write_mjcf(result: Result, *, name: str) -> dict[str, bytes]:
@@ -44,6 +44,8 @@ def write_mjcf(result: Result, *, name: str) -> dict[str, bytes]:
     asset = Xml.SubElement(model, "asset")
     world = Xml.SubElement(model, "worldbody")
     whole = Xml.SubElement(world, "body", name=root)
+    if any(turn := turn_upright(result.shape.up)):
+        whole.set("euler", number(*turn))
     for body in bodies:
         # What is seen may be open; MuJoCo asks for a volume of everything else.
         Xml.SubElement(asset, "mesh", name=body.name, file=f"{body.name}.obj", inertia="shell")

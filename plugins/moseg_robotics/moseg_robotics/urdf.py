@@ -10,8 +10,10 @@ from __future__ import annotations
 
 from xml.etree import ElementTree as Xml
 
+from trimesh.transformations import euler_matrix
+
 from moseg_core import Result
-from moseg_robotics.bodies import Body, bodies_of, mesh_files, number
+from moseg_robotics.bodies import Body, bodies_of, mesh_files, number, turn_upright
 
 
 def write_urdf(result: Result, *, name: str) -> dict[str, bytes]:
@@ -46,7 +48,7 @@ def write_urdf(result: Result, *, name: str) -> dict[str, bytes]:
     for body in bodies:
         robot.append(Xml.Comment(f" {body.remark} "))
         robot.append(_link(body, folder))
-        robot.append(_joint(body, root))
+        robot.append(_joint(body, root, turn_upright(result.shape.up)))
     Xml.indent(robot)
     text = Xml.tostring(robot, encoding="utf-8", xml_declaration=True) + b"\n"
     return {name: text, **mesh_files(bodies, folder)}
@@ -71,9 +73,11 @@ def _link(body: Body, folder: str) -> Xml.Element:
     return link
 
 
-def _joint(body: Body, root: str) -> Xml.Element:
+def _joint(body: Body, root: str, turn: tuple[float, float, float]) -> Xml.Element:
     joint = Xml.Element("joint", name=f"{root}_to_{body.name}", type="fixed")
     Xml.SubElement(joint, "parent", link=root)
     Xml.SubElement(joint, "child", link=body.name)
-    Xml.SubElement(joint, "origin", xyz=number(*body.center), rpy="0 0 0")
+    rotation = euler_matrix(*turn)[:3, :3]  # type: ignore[no-untyped-call]
+    place = rotation @ body.center
+    Xml.SubElement(joint, "origin", xyz=number(*place), rpy=number(*turn))
     return joint

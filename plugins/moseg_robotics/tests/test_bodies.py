@@ -9,7 +9,14 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import trimesh
-from moseg_robotics.bodies import MOST_VERTICES, bodies_of, mesh_files, number
+from moseg_robotics.bodies import (
+    MOST_VERTICES,
+    bodies_of,
+    mesh_files,
+    number,
+    turn_upright,
+)
+from trimesh.transformations import euler_matrix
 
 from moseg_core import Shape, UsageError
 
@@ -86,3 +93,10 @@ def test_parts_of_one_point_have_no_bodies(labelled):
 
 def test_numbers_are_short():
     assert number(1e-7, -2.50, 1 / 3) == "1e-07 -2.5 0.333333333333"
+
+
+@pytest.mark.parametrize("up", ["x", "-x", "y", "-y", "z", "-z"])
+def test_what_points_up_is_turned_to_z(up):
+    axis = np.eye(3)["xyz".index(up[-1])] * (-1 if up[0] == "-" else 1)
+    turned = euler_matrix(*turn_upright(up))[:3, :3] @ axis
+    assert turned == pytest.approx([0, 0, 1])

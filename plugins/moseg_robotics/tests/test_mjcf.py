@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from xml.etree import ElementTree
 
 import pytest
@@ -35,3 +36,10 @@ def test_what_is_seen_collides_with_nothing(mallet):
     moments = list(map(float, head.find("inertial").get("fullinertia").split()))
     assert moments == pytest.approx([2.5, 2.5, 0.5, 0, 0, 0], abs=1e-6)
     assert list(map(float, head.get("pos").split())) == pytest.approx([1000, 0, 50])
+
+
+def test_a_shape_with_y_up_is_turned_as_a_whole(mallet):
+    lying = replace(mallet, shape=mallet.shape.with_up("y"))
+    for result, turn in ((mallet, None), (lying, "1.57079632679 0 0")):
+        model = ElementTree.fromstring(write_mjcf(result, name="m.mjcf")["m.mjcf"])
+        assert model.find("worldbody/body").get("euler") == turn

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from xml.etree import ElementTree
 
+import numpy as np
 import pytest
 from moseg_robotics.urdf import write_urdf
 
@@ -42,3 +44,11 @@ def test_a_link_has_mass_inertia_and_place(mallet):
 def test_it_is_saved_with_its_meshes(mallet, tmp_path):
     save(mallet, tmp_path / "m.urdf")
     assert len(list((tmp_path / "m_meshes").iterdir())) == 4
+
+
+def test_a_shape_with_y_up_is_turned(mallet):
+    lying = replace(mallet, shape=mallet.shape.with_up("y"))
+    robot = ElementTree.fromstring(write_urdf(lying, name="m.urdf")["m.urdf"])
+    origin = robot.findall("joint")[1].find("origin")
+    assert list(map(float, origin.get("xyz").split())) == pytest.approx([1000, -50, 0])
+    assert list(map(float, origin.get("rpy").split())) == pytest.approx([np.pi / 2, 0, 0])
