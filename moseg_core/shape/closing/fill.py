@@ -26,7 +26,7 @@ from moseg_core.shape.triangulate import clip_ears
 from moseg_core.types import BoolArray, FloatArray, IntArray
 
 #: Points of a loop up to which the least area is looked for; that takes about a second.
-LONGEST = 1000
+LONGEST = 500
 
 #: What squared lengths count beside areas: no more than to decide between areas that are equal.
 _LENGTHS = 1e-5
