@@ -94,6 +94,9 @@ class ShapeFlags:
         box's diagonal: 1e-8 by default; 0 joins equal ones only.
     voxels
         Whether all cells of a voxel grid are elements, or only those of its surface.
+    pitch
+        Sides of the cells of a voxel grid whose file does not know them: 0.5, or 0.5,0.5,3 along
+        the axes of the array.
     up
         Which axis of the file points up; y in glTF files, else not known.
     """
@@ -102,6 +105,7 @@ class ShapeFlags:
     volume: str | None = None
     weld: float | None = None
     voxels: Literal["solid", "surface"] = "solid"
+    pitch: str | None = None
     up: Annotated[
         Literal["x", "y", "z", "-x", "-y", "-z"] | None, Parameter(allow_leading_hyphen=True)
     ] = None

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 from moseg_core.cli.flags import ShapeFlags
 from moseg_core.cli.waiting import waiting
+from moseg_core.errors import UsageError
 from moseg_core.io import load
 from moseg_core.shape.mesh import PolygonMesh
 from moseg_core.shape.shape import Shape
@@ -20,6 +22,30 @@ def read_label_property(text: str | None) -> tuple[str, ...]:
     ('label', 'objectId')
     """
     return () if text is None else tuple(name.strip() for name in text.split(",") if name.strip())
+
+
+def read_pitch(text: str) -> list[float]:
+    """The sides of a cell: three numbers separated by commas, or one of a cube.
+
+    Raises
+    ------
+    UsageError
+        It is neither, or a number is not positive.
+
+    Examples
+    --------
+    >>> read_pitch("0.5, 0.5, 1"), read_pitch("2")
+    ([0.5, 0.5, 1.0], [2.0, 2.0, 2.0])
+    """
+    try:
+        sides = [float(word) for word in text.split(",")]
+    except ValueError:
+        sides = []
+    if len(sides) not in (1, 3) or not all(0 < side < math.inf for side in sides):
+        raise UsageError(
+            f"--pitch is one positive number or three, such as 0.5 or 0.5,0.5,3, not '{text}'"
+        )
+    return sides if len(sides) == 3 else 3 * sides
 
 
 def read_shape(path: Path, flags: ShapeFlags, *, quiet: bool = False) -> Shape:
@@ -37,7 +63,10 @@ def read_shape(path: Path, flags: ShapeFlags, *, quiet: bool = False) -> Shape:
     Raises
     ------
     ShapeError
-        The file cannot be read, or its volume not be estimated.
+        The file cannot be read, or its volume not be estimated; a pitch is given for what is no
+        voxel grid.
+    UsageError
+        A pitch that is not understood.
     """
     with waiting(f"reading {path.name}", quiet=quiet):
         shape = load(path)
@@ -45,6 +74,8 @@ def read_shape(path: Path, flags: ShapeFlags, *, quiet: bool = False) -> Shape:
             shape = shape.with_weld(flags.weld)
         if flags.voxels == "surface" and shape.solid:
             shape = shape.with_elements("surface")
+        if flags.pitch is not None:
+            shape = shape.with_pitch(read_pitch(flags.pitch))
         if flags.up is not None:
             shape = shape.with_up(flags.up)
         shape = shape.with_adjacency(flags.adjacency)

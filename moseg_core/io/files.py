@@ -12,6 +12,7 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
 
 from moseg_core.components.discovery.registry import Component, Registry, registry
@@ -56,7 +57,9 @@ def load(path: str | os.PathLike[str], *, source: Registry | None = None) -> Sha
     True
     """
     path = Path(path)
-    component = (registry() if source is None else source).by_suffix("reader", path.suffix)
+    component = (registry() if source is None else source).by_suffix(
+        "reader", "".join(path.suffixes)
+    )
     if not path.exists():
         raise ShapeError(f"'{path}' does not exist{instead_of(path)}")
     if path.is_dir():
@@ -72,7 +75,7 @@ def load(path: str | os.PathLike[str], *, source: Registry | None = None) -> Sha
             f"reader '{component.id}' of {component.distribution} returned a"
             f" {type(shape).__name__}, not a Shape"
         )
-    return shape
+    return replace(shape, file=str(path))
 
 
 def instead_of(path: Path) -> str:
@@ -244,7 +247,8 @@ def check_output(path: Path, *, source: Registry | None = None) -> Component:
         No writer for the suffix, no such folder, or a folder of that name.
     """
     try:
-        component = (registry() if source is None else source).by_suffix("writer", path.suffix)
+        found = registry() if source is None else source
+        component = found.by_suffix("writer", "".join(path.suffixes))
     except UsageError as error:
         if path.suffix.lower() not in PART_SUFFIXES:
             raise

@@ -93,6 +93,11 @@ class ShapeData:
         For each element of `fine` the element here that it belongs to.
     up : {"x", "-x", "y", "-y", "z", "-z"} or None
         The axis that points up, where a file or the user says so (:mod:`moseg_core.shape.up`).
+    name : str
+        What to call the shape in messages.
+    file : str
+        The path of the file that it was read from, as it was given; empty where it was none.
+        Results say it, so that the shape is found again.
     """
 
     points: FloatArray
@@ -112,6 +117,7 @@ class ShapeData:
     members: IntArray | None = None
     up: Up | None = None
     name: str = field(default="shape")
+    file: str = ""
 
     def __post_init__(self) -> None:
         for array in (self.points, self.areas, self.first_moments, self.second_moments):

@@ -122,7 +122,9 @@ def find_links(
         return _edge_links(geometry, geometry.vertices if places is None else places)
     pairs = adjacency.pairs[adjacency.pairs[:, 0] < adjacency.pairs[:, 1]]
     if isinstance(geometry, VoxelGrid) and geometry.solid and not near:
-        return _summed(pairs, np.full(len(pairs), geometry.pitch**2), adjacency.n_elements)
+        cells = geometry.cells
+        through = np.abs(cells[pairs[:, 0]] - cells[pairs[:, 1]]).argmax(axis=1)
+        return _summed(pairs, geometry.side_areas[through], adjacency.n_elements)
     return _summed(pairs, _counted(pairs, points, areas), adjacency.n_elements)
 
 

@@ -115,9 +115,14 @@ def _of_points(cloud: PointCloud, origin: FloatArray) -> Moments:
 
 
 def _of_cells(grid: VoxelGrid, origin: FloatArray) -> Moments:
-    """Volumes of cubes: over one of side h around c, ``int x x^T`` is ``h^3 (c c^T + h^2/12)``."""
+    """Volumes of cells, all of one volume V and with the same three edges e.
+
+    Over one around c ``int x x^T`` is ``V (c c^T + sum e e^T / 12)``; for a cube of side h the sum
+    is ``h^2`` times the identity.
+    """
     centers = grid.centers
     local = centers - origin
-    volume = grid.pitch**3
-    second = local[:, _I] * local[:, _J] + grid.pitch**2 / 12.0 * (_I == _J)
+    volume = grid.cell_volume
+    own = grid.steps.T @ grid.steps / 12.0
+    second = local[:, _I] * local[:, _J] + own[_I, _J]
     return Moments(centers, np.full(len(centers), volume), volume * local, volume * second)

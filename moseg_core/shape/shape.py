@@ -20,7 +20,7 @@ of the bounding box is the origin and its diagonal is 1; :class:`Frame` goes bet
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal, get_args
 
@@ -180,27 +180,32 @@ class Shape(ShapeData):
         cls,
         occupied: npt.ArrayLike,
         *,
-        pitch: float = 1.0,
+        pitch: npt.ArrayLike = 1.0,
         origin: npt.ArrayLike = (0.0, 0.0, 0.0),
         elements: Elements = "solid",
         name: str = "shape",
         notes: Iterable[str] = (),
+        header: Mapping[str, Any] | None = None,
     ) -> Shape:
         """From the occupied cells of a grid; one element, and so one label, per cell.
 
         Parameters
         ----------
         occupied : (nx, ny, nz) array_like of bool
-        pitch : float, model units
-            Side of a cell.
+        pitch : float, (3,) or (3, 3) array_like of float, model units
+            Side of a cell; three for cells that are no cubes, along x, y and z; or three vectors,
+            row ``a`` from a cell to the next along axis ``a`` of the array, for grids that lie at
+            an angle, or whose axes run otherwise than x, y and z.
         origin : (3,) array_like of float, model units
-            Least corner of the cell (0, 0, 0).
+            First corner of the cell (0, 0, 0): the least one, unless a step goes down.
         elements : {"solid", "surface"}
             Whether all occupied cells are elements, in C order, or only those with an exposed
             face; see :mod:`moseg_core.shape.voxels`.
         name : str
         notes : iterable of str
             As for :meth:`from_mesh`.
+        header : mapping of str to any, optional
+            What a file says of the grid beside that; kept for a writer of the same format.
 
         Raises
         ------
@@ -214,9 +219,12 @@ class Shape(ShapeData):
         >>> block = Shape.from_voxels(np.ones((3, 3, 3), bool), pitch=2.0)
         >>> block.n_elements, block.volume, block.solid
         (27, 216.0, True)
+        >>> Shape.from_voxels(np.ones((3, 3, 3), bool), pitch=(0.5, 0.5, 1.0)).volume
+        6.75
         """
-        grid = VoxelGrid.from_occupied(occupied, pitch=pitch, origin=origin, elements=elements)
-        grid = replace(grid, notes=tuple(notes))
+        grid = VoxelGrid.from_occupied(
+            occupied, pitch=pitch, origin=origin, elements=elements, notes=notes, header=header
+        )
         return cls._made(grid, grid_adjacency(grid), Volume.exact(grid.volume), [], name)
 
     @classmethod
@@ -423,7 +431,7 @@ class Shape(ShapeData):
                 f"'{self.name}' is a {self.geometry.kind}; only of a mesh can vertices be joined"
             )
         welded = Shape.from_polygon_mesh(self.geometry.welded(weld), name=self.name)
-        return replace(welded, up=self.up)
+        return replace(welded, up=self.up, file=self.file)
 
     def with_elements(self, elements: Elements) -> Shape:
         """The same voxel grid with all cells as elements, or only those of its surface.
@@ -439,21 +447,56 @@ class Shape(ShapeData):
         UsageError
             Other elements.
         """
-        grid = self.geometry
-        if not isinstance(grid, VoxelGrid):
-            raise ShapeError(
-                f"'{self.name}' is a {grid.kind}; only of a voxel grid can the elements be"
-                f" '{elements}'"
-            )
-        other = Shape.from_voxels(
+        grid = self._grid(f"can the elements be '{elements}'")
+        made = Shape.from_voxels(
             grid.occupied,
-            pitch=grid.pitch,
+            pitch=grid.steps,
             origin=grid.origin,
             elements=elements,
             name=self.name,
             notes=grid.notes,
+            header=grid.header,
         )
-        return replace(other, up=self.up)
+        return replace(made, up=self.up, file=self.file)
+
+    def with_pitch(self, pitch: npt.ArrayLike) -> Shape:
+        """The same voxel grid with cells of other sides, which its file did not know.
+
+        Parameters
+        ----------
+        pitch : float, (3,) or (3, 3) array_like of float, model units
+            As for :meth:`from_voxels`. The origin stays; neighbours and the volume are found anew,
+            what was asked for before does not count, nor does what the file said of the grid.
+
+        Raises
+        ------
+        ShapeError
+            The shape is no voxel grid, or the pitch is not positive.
+
+        Examples
+        --------
+        >>> slices = Shape.from_voxels(np.ones((2, 2, 2), bool))
+        >>> slices.with_pitch((0.5, 0.5, 3.0)).volume
+        6.0
+        """
+        grid = self._grid("can cells have a pitch")
+        made = Shape.from_voxels(
+            grid.occupied,
+            pitch=pitch,
+            origin=grid.origin,
+            elements=grid.elements,
+            name=self.name,
+            notes=grid.notes,
+        )
+        return replace(made, up=self.up, file=self.file)
+
+    def _grid(self, what: str) -> VoxelGrid:
+        """The geometry, where it is a voxel grid, of which alone something can be asked."""
+        if not isinstance(self.geometry, VoxelGrid):
+            raise ShapeError(
+                f"'{self.name}' is a {self.geometry.kind}; only of a voxel grid {what}"
+            )
+        return self.geometry
 
     def deformed(self, vertices: FloatArray, *, space: str) -> Shape:
         """The same elements with their vertices elsewhere, as in an embedding (Sec. 9).

@@ -94,7 +94,7 @@ def _alone(geometry: Geometry, elements: IntArray, whole: str, name: str) -> Sha
     if isinstance(geometry, VoxelGrid) and geometry.solid:
         kept = np.zeros_like(geometry.occupied)
         kept[tuple(geometry.cells[elements].T)] = True
-        return Shape.from_voxels(kept, pitch=geometry.pitch, origin=geometry.origin, name=name)
+        return Shape.from_voxels(kept, pitch=geometry.steps, origin=geometry.origin, name=name)
     if not isinstance(geometry, PolygonMesh):
         raise ShapeError(
             f"parts of '{whole}' cannot be divided further: it is the surface of a"

@@ -1,4 +1,4 @@
-"""Voxel grids: elements that are cells, cubes of a regular grid.
+"""Voxel grids: elements that are cells of a regular grid.
 
 Two readings of the same grid. As a *solid*, every occupied cell is an element, and a part is a
 piece of the solid: its measures are those of the volume. As a *surface*, only cells with an
@@ -7,13 +7,16 @@ squares; a part is a piece of the staircase that bounds the solid. Directions ar
 grid: of a slope the staircase has up to sqrt(3) times the area, equally in all its parts that are
 inclined alike.
 
-Cells are numbered in C order, the last index runs fastest; a cell's index times the pitch, added
-to the origin, is its least corner.
+Cells are numbered in C order, the last index runs fastest. From a cell to the next along axis ``a``
+of the array it is one step ``steps[a]``, a vector: a cell's index times the steps, added to the
+origin, is its first corner. So cells are cubes, boxes, or, where a scanner was tilted, boxes at an
+angle to the coordinates; what is measured of them holds for any three steps that span a space.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, ClassVar, Literal, get_args
 
@@ -45,12 +48,15 @@ class VoxelGrid(Geometry):
         The whole grid, cells that are no elements included.
     cells : (F, 3) int
         The index of each element in the grid, in C order.
-    pitch : float, model units
-        Side of a cell.
+    steps : (3, 3) float, model units
+        Row ``a`` goes from a cell to the next along axis ``a`` of the array: three edges of a cell.
     origin : (3,) float, model units
-        Least corner of the cell (0, 0, 0).
+        First corner of the cell (0, 0, 0), from which its edges go; the least one, unless a step
+        goes down.
     elements : {"solid", "surface"}
         Whether all occupied cells are elements, or those with an exposed face.
+    header : mapping of str to any
+        What the file said of the grid beside that, for a writer of the same format.
     """
 
     noun: ClassVar[str] = "cell"
@@ -58,13 +64,14 @@ class VoxelGrid(Geometry):
 
     occupied: BoolArray
     cells: IntArray
-    pitch: float
+    steps: FloatArray
     origin: FloatArray
     elements: Elements
+    header: Mapping[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        for array in (self.occupied, self.cells, self.origin):
+        for array in (self.occupied, self.cells, self.steps, self.origin):
             frozen(array)
 
     @classmethod
@@ -72,18 +79,23 @@ class VoxelGrid(Geometry):
         cls,
         occupied: npt.ArrayLike,
         *,
-        pitch: float = 1.0,
+        pitch: npt.ArrayLike = 1.0,
         origin: npt.ArrayLike = (0.0, 0.0, 0.0),
         elements: Elements = "solid",
+        notes: Iterable[str] = (),
+        header: Mapping[str, Any] | None = None,
     ) -> VoxelGrid:
         """Check a grid and find the exposed faces of its cells.
 
         Parameters
         ----------
         occupied : (nx, ny, nz) array_like of bool
-        pitch : float, model units
+        pitch : float, (3,) or (3, 3) array_like of float, model units
+            The side of cubes, the sides of boxes along x, y and z, or as rows the steps.
         origin : (3,) array_like of float, model units
         elements : {"solid", "surface"}
+        notes : iterable of str
+        header : mapping of str to any, optional
 
         Raises
         ------
@@ -100,6 +112,8 @@ class VoxelGrid(Geometry):
         ...                   for kind in ("solid", "surface"))
         >>> solid.n_elements, surface.n_elements, len(surface.triangles)
         (27, 26, 108)
+        >>> VoxelGrid.from_occupied(block, pitch=(0.5, 0.5, 1)).volume
+        6.75
         """
         filled = np.array(occupied)
         if filled.ndim != 3 or filled.dtype != np.bool_:
@@ -109,11 +123,15 @@ class VoxelGrid(Geometry):
             )
         if not filled.any():
             raise ShapeError(f"none of the {filled.size} cells of the grid is occupied")
-        corner = np.array(origin, np.float64)
-        if corner.shape != (3,) or not np.isfinite(corner).all() or not 0 < pitch < np.inf:
+        steps = _steps(pitch)
+        try:
+            corner = np.array(origin, np.float64)
+        except (TypeError, ValueError):
+            corner = np.empty(0)
+        if steps is None or corner.shape != (3,) or not np.isfinite(corner).all():
             raise ShapeError(
-                f"a grid needs a positive pitch and three coordinates of its origin, not"
-                f" {pitch!r} and {origin!r}"
+                f"a grid needs a positive pitch, one number or three, and three coordinates of its"
+                f" origin, not {pitch!r:.80} and {origin!r:.80}"
             )
         if elements not in get_args(Elements):
             raise UsageError(unknown("kind of elements", str(elements), get_args(Elements)))
@@ -121,17 +139,21 @@ class VoxelGrid(Geometry):
         cells = np.argwhere(filled if elements == "solid" else exposed.any(axis=0))
         vertices, corners = _corners(cells, filled.shape)
         triangles, owner = _triangles(cells, corners, exposed)
+        if np.linalg.det(steps) < 0:  # a mirror image: what ran counter-clockwise runs clockwise
+            triangles = np.ascontiguousarray(triangles[:, ::-1])
         return cls(
-            vertices=corner + pitch * vertices,
+            vertices=corner + _stepped(vertices, steps),
             corners=corners.reshape(-1),
             offsets=8 * np.arange(len(cells) + 1),
             triangles=triangles,
             triangle_polygon=owner,
             occupied=filled,
             cells=cells,
-            pitch=float(pitch),
+            steps=steps,
             origin=corner,
             elements=elements,
+            notes=tuple(notes),
+            header=dict(header or {}),
         )
 
     @property
@@ -142,12 +164,31 @@ class VoxelGrid(Geometry):
     @property
     def volume(self) -> float:
         """Volume of all occupied cells, model units cubed."""
-        return float(np.count_nonzero(self.occupied)) * self.pitch**3
+        return float(np.count_nonzero(self.occupied)) * self.cell_volume
+
+    @property
+    def pitch(self) -> FloatArray:
+        """(3,) float, model units: the sides of a cell, along the axes of the array."""
+        lengths: FloatArray = np.linalg.norm(self.steps, axis=1)
+        return lengths
+
+    @property
+    def cell_volume(self) -> float:
+        """Volume of a cell, model units cubed."""
+        x, y, z = self.steps
+        return abs(float(x @ np.cross(y, z)))
+
+    @property
+    def side_areas(self) -> FloatArray:
+        """(3,) float, model units squared: area of the side of a cell that a step goes through."""
+        following = np.cross(self.steps[[1, 2, 0]], self.steps[[2, 0, 1]])
+        areas: FloatArray = np.linalg.norm(following, axis=1)
+        return areas
 
     @cached_property
     def centers(self) -> FloatArray:
         """(F, 3) float, model units: the middle of each element."""
-        return frozen(self.origin + self.pitch * (self.cells + 0.5))
+        return frozen(self.origin + _stepped(self.cells + 0.5, self.steps))
 
     def spread(self, values: npt.NDArray[Any], rest: int) -> npt.NDArray[Any]:
         """(nx, ny, nz): one value for each element at its place in the grid, else `rest`.
@@ -167,6 +208,32 @@ class VoxelGrid(Geometry):
         grid = np.full(self.occupied.shape, rest, values.dtype)
         grid[tuple(self.cells.T)] = values
         return grid
+
+
+def _steps(pitch: npt.ArrayLike) -> FloatArray | None:
+    """(3, 3) float: the steps that a pitch stands for; None where it makes no sense."""
+    try:
+        given = np.array(pitch, np.float64)
+    except (TypeError, ValueError):
+        return None
+    if given.shape not in ((), (3,), (3, 3)) or not np.isfinite(given).all():
+        return None
+    if given.shape == (3, 3):
+        sides = np.linalg.norm(given, axis=1)
+        # Steps that lie in a plane, but for rounding, span no cell.
+        spans = abs(np.linalg.det(given)) > 1e-9 * sides.prod()
+        return given if spans and (sides > 0).all() else None
+    sides = np.broadcast_to(given, 3)
+    return np.diag(sides) if (sides > 0).all() else None
+
+
+def _stepped(places: npt.NDArray[Any], steps: FloatArray) -> FloatArray:
+    """(n, 3) float: places in cells as places in space, from the grid's origin."""
+    sides = np.diag(steps)
+    if np.array_equal(steps, np.diag(sides)):  # as nearly always; and 0 times others adds nothing
+        return places * sides
+    stepped: FloatArray = places @ steps
+    return stepped
 
 
 def _exposed(filled: BoolArray) -> BoolArray:

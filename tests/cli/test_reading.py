@@ -7,7 +7,7 @@ import pytest
 
 from moseg_core.cli.flags import ShapeFlags
 from moseg_core.cli.reading import read_shape
-from moseg_core.errors import ShapeError
+from moseg_core.errors import ShapeError, UsageError
 
 
 @pytest.fixture
@@ -36,6 +36,21 @@ def test_cells_of_the_surface_alone(grid, cloud):
     shape = read_shape(grid, ShapeFlags(voxels="surface"))
     assert (shape.n_elements, shape.solid) == (26, False)
     assert read_shape(cloud, ShapeFlags(voxels="surface")).n_elements == 26  # nothing to clouds
+
+
+def test_cells_have_the_sides_that_are_said(grid, cloud):
+    assert read_shape(grid, ShapeFlags(pitch=".5,.5,3")).volume == pytest.approx(27 * 0.75)
+    surface = read_shape(grid, ShapeFlags(pitch="2", voxels="surface"))
+    assert (surface.n_elements, surface.volume, surface.area) == (26, 216.0, 216.0)
+    assert surface.file == str(grid)
+    with pytest.raises(ShapeError, match="only of a voxel grid can cells have a pitch"):
+        read_shape(cloud, ShapeFlags(pitch="2"))
+
+
+@pytest.mark.parametrize("words", ["", "1,2", "1,2,0", "-1", "wide", "1,2,nan", "inf"])
+def test_a_pitch_that_is_none(grid, words):
+    with pytest.raises(UsageError, match=r"--pitch is one positive number or three"):
+        read_shape(grid, ShapeFlags(pitch=words))
 
 
 def test_neighbours_and_a_volume_are_there_if_asked_for(cloud, open_box):

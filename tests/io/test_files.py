@@ -42,7 +42,8 @@ def test_the_suffix_says_which_reader_is_asked(acme, tmp_path, box):
     source = acme(tee=lambda path: asked.append(path) or box, other=lambda path: None)
     path = tmp_path / "x.TEE"
     path.touch()
-    assert load(path, source=source) is box
+    found = load(path, source=source)
+    assert (found.geometry, found.file) == (box.geometry, str(path))
     assert load(str(path), source=source) is box
     assert asked == [path, path]
 

@@ -78,6 +78,24 @@ def test_cells_of_a_solid_are_linked_by_the_area_of_the_face_that_both_have():
     assert as_dict(links) == {(0, 1): 9.0, (0, 2): 9.0, (1, 3): 9.0, (2, 3): 9.0}
 
 
+def test_cells_that_are_no_cubes_are_linked_by_the_side_that_they_share():
+    links = Shape.from_voxels(np.ones((2, 2, 2), bool), pitch=(2.0, 3.0, 5.0)).links
+    along = {4: 15.0, 2: 10.0, 1: 6.0}  # in C order: x, y and z
+    assert len(links.first) == 12
+    for (first, second), area in as_dict(links).items():
+        assert area == along[second - first]
+
+
+def test_a_cut_through_oblique_cells_has_the_area_of_the_plane():
+    steps = [[1.0, 0, 0], [0.2, 1.0, 0], [0.3, -0.1, 2.0]]
+    links = Shape.from_voxels(np.ones((4, 3, 2), bool), pitch=steps).links
+    cells = np.array(list(np.ndindex(4, 3, 2)))
+    upper = cells[:, 0] >= 2
+    across = upper[links.first] != upper[links.second]
+    cut = np.cross(3 * np.array(steps[1]), 2 * np.array(steps[2]))
+    assert links.lengths[across].sum() == pytest.approx(np.linalg.norm(cut))
+
+
 def test_counted_links_of_a_cloud_give_the_length_of_a_curve():
     rng = np.random.default_rng(0)
     flat = np.column_stack([rng.random((6000, 2)), np.zeros(6000)])

@@ -50,6 +50,39 @@ def test_cells_are_cubes(seed):
         np.testing.assert_allclose(moments.second[f], second, atol=1e-12)
 
 
+@given(seed=st.integers(0, 99))
+def test_cells_may_be_oblique(seed):
+    rng = np.random.default_rng(seed)
+    occupied = rng.random((3, 2, 3)) < 0.5
+    occupied[0, 0, 0] = True
+    steps, origin = np.eye(3) + 0.3 * rng.normal(size=(3, 3)), rng.normal(size=3)
+    grid = VoxelGrid.from_occupied(occupied, pitch=steps, origin=rng.normal(size=3))
+    moments = element_moments(grid, origin)
+    gauss = (np.array(list(np.ndindex(2, 2, 2))) * 2 - 1) / np.sqrt(12)
+    volume = abs(np.linalg.det(steps))
+    for f, center in enumerate(grid.centers - origin):
+        x = center + gauss @ steps
+        np.testing.assert_allclose(moments.areas[f], volume)
+        np.testing.assert_allclose(moments.first[f], volume * x.mean(axis=0), atol=1e-12)
+        second = [volume * (x[:, i] * x[:, j]).mean() for i, j in PAIRS]
+        np.testing.assert_allclose(moments.second[f], second, atol=1e-12)
+
+
+@pytest.mark.parametrize("elements", ["solid", "surface"])
+def test_a_box_of_flat_cells_measures_as_the_box(elements):
+    box = Shape.from_voxels(
+        np.ones((4, 6, 2), bool), pitch=(0.5, 0.25, 3.0), origin=(1, 2, 3), elements=elements
+    )
+    sides = np.array([2.0, 1.5, 6.0])
+    assert box.volume == pytest.approx(sides.prod())
+    np.testing.assert_allclose(box.centroid, [1, 2, 3] + sides / 2)
+    x, y, z = sides
+    if elements == "solid":
+        np.testing.assert_allclose(scales_of(box), np.array([6.0, 2.0, 1.5]) / np.sqrt(12))
+    else:
+        assert box.area == pytest.approx(2 * (x * y + y * z + z * x))
+
+
 def test_a_solid_block_has_the_scales_of_a_block():
     block = Shape.from_voxels(np.ones((6, 4, 2), bool), pitch=0.5)
     np.testing.assert_allclose(scales_of(block), np.array([3, 2, 1]) / np.sqrt(12))

@@ -76,6 +76,55 @@ def test_a_surface_has_the_cells_with_an_exposed_face(occupied):
     assert (solid.solid, surface.solid) == (True, False)
 
 
+#: Cells that are no cubes: along the axes, in other directions, mirrored, oblique.
+STEPS = {
+    "sides": (0.5, 0.25, 3.0),
+    "turned axes": [[0, 0, 2.0], [-0.5, 0, 0], [0, 1.5, 0]],
+    "mirrored": [[-1.0, 0, 0], [0, 0.5, 0], [0, 0, 2.0]],
+    "tilted": [[0.5, 0, 0], [0, 0.4, 0.3], [0, -1.8, 2.4]],
+    "sheared": [[1.0, 0, 0], [0.2, 1.0, 0], [0.3, -0.1, 2.0]],
+}
+
+
+def as_rows(pitch):
+    given = np.array(pitch, float)
+    return np.diag(given) if given.ndim == 1 else given
+
+
+@pytest.mark.parametrize("pitch", STEPS.values(), ids=STEPS)
+@given(occupied=grids)
+def test_cells_that_are_no_cubes_are_those_of_a_grid_of_cubes_in_other_places(pitch, occupied):
+    steps, origin = as_rows(pitch), np.array([3.0, -1.0, 0.5])
+    cubes = VoxelGrid.from_occupied(occupied)
+    grid = VoxelGrid.from_occupied(occupied, pitch=pitch, origin=origin)
+    np.testing.assert_array_equal(grid.cells, cubes.cells)
+    np.testing.assert_allclose(grid.vertices, origin + cubes.vertices @ steps, atol=1e-12)
+    np.testing.assert_allclose(grid.centers, origin + cubes.centers @ steps, atol=1e-12)
+    np.testing.assert_allclose(grid.pitch, [np.linalg.norm(step) for step in steps])
+    assert grid.volume == pytest.approx(occupied.sum() * abs(np.linalg.det(steps)))
+    # Triangles show their outer side, also in a mirror image: the volume that they enclose.
+    corners = grid.vertices[grid.triangles] - origin
+    volume = np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6
+    assert volume == pytest.approx(grid.volume)
+
+
+def test_the_sides_of_a_cell_have_the_areas_of_parallelograms():
+    grid = VoxelGrid.from_occupied(np.ones((1, 1, 1), bool), pitch=(2.0, 3.0, 5.0))
+    assert grid.side_areas.tolist() == [15.0, 10.0, 6.0]
+    assert grid.cell_volume == 30.0
+    oblique = VoxelGrid.from_occupied(np.ones((1, 1, 1), bool), pitch=STEPS["sheared"])
+    a, b, c = as_rows(STEPS["sheared"])
+    expected = [np.linalg.norm(np.cross(u, v)) for u, v in ((b, c), (c, a), (a, b))]
+    np.testing.assert_allclose(oblique.side_areas, expected)
+
+
+def test_what_a_file_says_of_a_grid_is_kept_with_it():
+    shape = Shape.from_voxels(np.ones((2, 2, 2), bool), header={"space": "x"}, notes=["seen"])
+    assert shape.with_elements("surface").geometry.header == {"space": "x"}
+    assert "seen" in shape.notes
+    assert shape.with_pitch(2.0).geometry.header == {}  # it is another grid now
+
+
 def test_values_are_spread_over_the_grid():
     occupied = np.zeros((2, 3, 2), bool)
     occupied[1, 2, 0] = occupied[0, 1, 1] = True
@@ -94,6 +143,12 @@ def test_values_are_spread_over_the_grid():
         ({"occupied": np.zeros((2, 2, 2), bool)}, ShapeError, "none of the 8 cells"),
         ({"pitch": 0.0}, ShapeError, "positive pitch"),
         ({"pitch": np.nan}, ShapeError, "positive pitch"),
+        ({"pitch": (0.5, 0.5)}, ShapeError, "one number or three"),
+        ({"pitch": (0.5, 0.5, 0.0)}, ShapeError, "positive pitch"),
+        ({"pitch": (0.5, 0.5, -1.0)}, ShapeError, "positive pitch"),
+        ({"pitch": "wide"}, ShapeError, "positive pitch"),
+        ({"pitch": [[1, 0, 0], [0, 1, 0], [1, 1, 0]]}, ShapeError, "positive pitch"),
+        ({"origin": "here"}, ShapeError, "three coordinates"),
         ({"origin": (0, 0)}, ShapeError, "three coordinates"),
         ({"elements": "surfac"}, UsageError, "did you mean 'surface'"),
     ],

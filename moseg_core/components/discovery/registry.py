@@ -240,25 +240,39 @@ class Registry:
         aside = [bundle.name for bundle in self.bundles if bundle.problem]
         return f" (set aside, see 'moseg plugin list': {', '.join(aside)})" if aside else ""
 
+    def suffixes(self, kind: Kind) -> dict[str, Component]:
+        """The suffixes that readers or writers have, each with the first component that has it."""
+        found: dict[str, Component] = {}
+        for component in self.components(kind):
+            for suffix in getattr(component.spec, "suffixes", ()):
+                found.setdefault(suffix, component)
+        return found
+
     def by_suffix(self, kind: Kind, suffix: str) -> Component:
         """The reader or writer for a file suffix such as ``".off"``.
+
+        Parameters
+        ----------
+        kind : Kind
+        suffix : str
+            All that may be the suffix: of ``".v2.nii.gz"`` the longest end that is known counts,
+            ``".nii.gz"``.
 
         Raises
         ------
         UsageError
             No component handles the suffix.
         """
-        suffixes: dict[str, Component] = {}
-        for component in self.components(kind):
-            for known in getattr(component.spec, "suffixes", ()):
-                suffixes.setdefault(known, component)
-        if suffix.lower() not in suffixes:
-            allowed = ", ".join(sorted(suffixes))
-            verb = "read" if kind == "reader" else "write"
-            asked = f"'{suffix}'" if suffix else "without a suffix"
-            message = f"cannot {verb} files {asked}; formats: {allowed}"
-            raise UsageError(message + self._mention_aside())
-        return suffixes[suffix.lower()]
+        suffixes = self.suffixes(kind)
+        words = suffix.split(".")[1:]
+        for k in range(len(words)):
+            if component := suffixes.get("." + ".".join(words[k:]).lower()):
+                return component
+        allowed = ", ".join(sorted(suffixes))
+        verb = "read" if kind == "reader" else "write"
+        asked = f"'.{words[-1]}'" if words else "without a suffix"
+        message = f"cannot {verb} files {asked}; formats: {allowed}"
+        raise UsageError(message + self._mention_aside())
 
 
 @lru_cache(maxsize=1)

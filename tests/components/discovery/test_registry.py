@@ -204,6 +204,7 @@ def test_suffixes():
     assert found.by_suffix("reader", ".off").id == "core:off"
     assert found.by_suffix("reader", ".OFF").id == "core:off"
     assert found.by_suffix("reader", ".NOff").id == "other:off"
+    assert found.by_suffix("reader", ".v2.off").id == "core:off"
     assert found.by_suffix("writer", ".pts").id == "other:pts"
     for kind, suffix, message in [
         ("reader", ".pts", "cannot read files '.pts'; formats: .noff, .off, .ply"),
@@ -295,3 +296,14 @@ def test_the_core_is_a_bundle_like_others_and_all_its_components_load():
 @pytest.mark.parametrize("component", registry().components(), ids=lambda c: f"{c.kind} {c.id}")
 def test_every_installed_component_loads(component):
     assert component.load() is not None
+
+
+def test_of_several_suffixes_the_longest_that_is_known_counts():
+    def reader(name, suffix):
+        return ReaderSpec(name=name, target="a:b", suffixes=(suffix,))
+
+    found = Registry((bundle("core", reader("gz", ".gz"), reader("nifti", ".nii.gz")),))
+    assert found.by_suffix("reader", ".nii.gz").id == "core:nifti"
+    assert found.by_suffix("reader", ".v2.NII.gz").id == "core:nifti"
+    assert found.by_suffix("reader", ".off.gz").id == "core:gz"
+    assert list(found.suffixes("reader")) == [".gz", ".nii.gz"]
