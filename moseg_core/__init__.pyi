@@ -67,6 +67,7 @@ from moseg_core.errors import UsageError as UsageError
 from moseg_core.errors import unknown as unknown
 from moseg_core.io import Labelling as Labelling
 from moseg_core.io import load as load
+from moseg_core.io import load_result as load_result
 from moseg_core.io import read_labels as read_labels
 from moseg_core.io import save as save
 from moseg_core.io import save_labels as save_labels
@@ -96,6 +97,7 @@ from moseg_core.search.levels import check_hierarchy as check_hierarchy
 from moseg_core.search.levels import refine as refine
 from moseg_core.search.levels import segment_hierarchy as segment_hierarchy
 from moseg_core.search.number_of_parts import segment_parts as segment_parts
+from moseg_core.search.part_table import PartTable as PartTable
 from moseg_core.search.result import Result as Result
 from moseg_core.search.segment import segment as segment
 from moseg_core.search.variants import segment_variants as segment_variants

@@ -386,6 +386,78 @@ def render(
 
 
 @app.command
+def measure(
+    *sources: str,
+    problem: SearchedProblemFlags = _NO_SEARCHED_PROBLEM,
+    reading: ShapeFlags = _SHAPE_AS_READ,
+    search: SearchFlags = _DEFAULT_SEARCH,
+    shapes: Path | None = None,
+    label_property: str | None = None,
+    keep: Path | None = None,
+    out: Annotated[
+        list[Path] | None,
+        Parameter(
+            name=["--out", "-o"],
+            negative=(),
+            help="Table to write; csv, tsv or json by suffix. Repeatable.",
+        ),
+    ] = None,
+    json: Flag = False,
+    quiet: Flag = False,
+) -> None:
+    """Measure parts: a table of areas, volumes, lengths and more, of one shape or many.
+
+    A row for each part, in the units of the shape; docs/measuring.md explains the columns. What
+    fails is named, and the rest measured all the same.
+
+    Examples
+    --------
+    moseg measure horse.json
+
+    moseg measure results/*.json --shapes scans -o parts.csv
+
+    moseg measure cup.off=cup_labels.txt -o parts.tsv
+
+    moseg measure *.off --recipe ant.toml --keep results -o ants.csv
+
+    Parameters
+    ----------
+    sources
+        Results (.json); shapes with their labels, SHAPE=LABELS; shapes that bear labels (PLY, OBJ,
+        STL, GLB). With a recipe also shapes without labels, which are segmented first, one after
+        the other; of shapes that bear labels only those of PLY files count then.
+    shapes
+        Folder in which the shapes of results are looked for, besides where they were when they were
+        segmented, and beside the results.
+    label_property
+        Name of the property, column or array that holds the labels, if not a usual one.
+    keep
+        Folder for the results of what is segmented, a .json file for each shape.
+    json
+        Print the whole table as JSON.
+    quiet
+        Print no messages and no progress.
+    """
+    with importing():
+        from moseg_core.cli.console import announcing_compilation
+        from moseg_core.cli.measure import run_measure
+
+    with announcing_compilation(quiet=quiet):
+        run_measure(
+            sources,
+            problem=problem,
+            reading=reading,
+            search=search,
+            shapes=shapes,
+            label_property=label_property,
+            keep=keep,
+            outputs=out or [],
+            as_json=json,
+            quiet=quiet,
+        )
+
+
+@app.command
 def sample(
     name: Literal["bulldog", "dove", "hammer", "horse", "octopus"],
     /,

@@ -32,6 +32,7 @@ ENTRIES = {
     "evaluate": "Compare a labelling with true ones: the measures of the Princeton benchmark, and"
     " names.",
     "field": "Show a field: a number for each element of a shape, such as how thick it is there.",
+    "measure": "Measure parts: a table of areas, volumes, lengths and more, of one shape or many.",
     "plot": "Draw how a search went: cost per generation and per iteration, and what the starts"
     " came to.",
     "symmetry": "Show the planes and axes of symmetry of a shape.",

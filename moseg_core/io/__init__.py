@@ -9,6 +9,7 @@ from moseg_core.io.labels import (
     save_labels,
 )
 from moseg_core.io.result_json import SavedResult, read_result
+from moseg_core.io.result_loading import load_result
 from moseg_core.io.whole_file import write_file
 
 __all__ = [
@@ -17,6 +18,7 @@ __all__ = [
     "encode_named_labels",
     "encode_seg",
     "load",
+    "load_result",
     "read_labels",
     "read_result",
     "save",

@@ -36,7 +36,7 @@ class SavedResult:
     Parameters
     ----------
     shape : mapping
-        Name, number of elements, fingerprint and notes of the shape.
+        Name, file, number of elements, fingerprint and notes of the shape.
     labels : (F,) int
     names : tuple of str
         What the labels are called: of several levels the leaves' paths.
@@ -50,6 +50,8 @@ class SavedResult:
     warnings : tuple of str
     versions : mapping of str to str
     history : mapping of str to list of dict
+    dimension : (int, int)
+        How many numbers the search had to find, and how many describe the segmentation.
     """
 
     shape: Mapping[str, Any]
@@ -64,6 +66,7 @@ class SavedResult:
     warnings: tuple[str, ...]
     versions: Mapping[str, str]
     history: Mapping[str, list[dict[str, float]]]
+    dimension: tuple[int, int] = (0, 0)
 
     def search(self, path: str = "") -> SearchOptions:
         """The search options that a level's run had settled on, the whole's by default.
@@ -156,7 +159,12 @@ def _from_document(document: dict[str, Any]) -> SavedResult:
         warnings=tuple(document["warnings"]),
         versions=document["versions"],
         history=document["history"],
+        dimension=_read_dimension(document.get("dimension", {})),
     )
+
+
+def _read_dimension(document: Mapping[str, Any]) -> tuple[int, int]:
+    return int(document.get("free", 0)), int(document.get("all", 0))
 
 
 def write_json(result: Result) -> bytes:
@@ -166,6 +174,7 @@ def write_json(result: Result) -> bytes:
         "format": FORMAT,
         "shape": {
             "name": shape.name,
+            **({"file": shape.file} if shape.file else {}),
             "elements": shape.n_elements,
             "fingerprint": shape.fingerprint,
             "notes": list(shape.notes),

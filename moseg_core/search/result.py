@@ -16,6 +16,8 @@ from moseg_core.named import Named
 from moseg_core.problem.aggregate import Evaluation
 from moseg_core.problem.hierarchy import Hierarchy
 from moseg_core.problem.problem import Problem
+from moseg_core.search.part_measures import measure_parts
+from moseg_core.search.part_table import PartTable
 from moseg_core.search.showing import framed, open_page
 from moseg_core.shape.shape import Shape
 from moseg_core.types import Int32Array, IntArray, frozen
@@ -166,6 +168,28 @@ class Result:
         """Each part by its label: ``result.parts["handle"].to_mesh()``."""
         parts = zip(self.problem.labels, self.segmentation.parts, strict=True)
         return Named(dict(parts), kind="part")
+
+    def table(self) -> PartTable:
+        """Measures of all parts, in the shape's units: a row for each part.
+
+        Returns
+        -------
+        PartTable
+            ``pandas.DataFrame(result.table().rows)``, ``result.table().to_csv()``. The columns are
+            explained in ``docs/measuring.md``.
+
+        Raises
+        ------
+        PluginError
+            A measure of a bundle fails.
+        """
+        return measure_parts(
+            self.segmentation,
+            self.problem.labels,
+            source=self.problem.registry,
+            evaluation=self.evaluation,
+            centers=self.centers,
+        )
 
 
 def end_warnings(reason: str) -> tuple[str, ...]:
