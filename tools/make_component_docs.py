@@ -27,7 +27,10 @@ from moseg_core.components.objectives import Traits
 
 ROOT = Path(__file__).parents[1]
 PAGE = ROOT / "docs" / "components.md"
-BUNDLES = ("core", "basic", "symmetry", "mds", "benchmark", "learn", "shapes", "robotics")
+BUNDLES = (
+    *("core", "basic", "symmetry", "mds", "benchmark", "learn", "shapes"),
+    *("robotics", "medical"),
+)
 
 #: Kinds in the order of the page, with what they are called there.
 KINDS: dict[Kind, str] = {

@@ -94,9 +94,13 @@ def measure_parts(
     for k, (name, part) in enumerate(zip(names, segmentation.parts, strict=True)):
         row = _sizes(part, name)
         row["thickness"] = _thickness(part) if thick else None
-        row |= _center(None if centers is None else centers.of(k))
-        for measure in measures:
-            for column, value in measure(part).items():
+        brought = [measure(part) for measure in measures]
+        places = _places(part) | _center(None if centers is None else centers.of(k))
+        # Single numbers first, profiles of many behind the places.
+        for more in sorted(
+            [*brought, places], key=lambda more: (len(more) > 1, more is not places)
+        ):
+            for column, value in more.items():
                 row.setdefault(column, value)  # what is known already is not measured otherwise
         rows.append(row | terms.get(name, {}) | of_shape)
     return PartTable.of_rows(rows)
@@ -117,8 +121,13 @@ def _sizes(part: Part, name: str) -> Row:
         "boundary": part.boundary.length if boundary else None,
     }
     extents = np.ptp(part.axes @ part.vertices.T, axis=1) if there else None
-    row |= _numbers(("length", "width", "height"), extents)
-    row |= _numbers([f"centroid_{i}" for i in _XYZ], part.centroid if there else None)
+    return row | _numbers(("length", "width", "height"), extents)
+
+
+def _places(part: Part) -> Row:
+    """Where a part is, and how it lies."""
+    there = part.area > 0
+    row = _numbers([f"centroid_{i}" for i in _XYZ], part.centroid if there else None)
     for k in range(3):
         axis = part.axes[k] if there else None
         row |= _numbers([f"axis{k + 1}_{i}" for i in _XYZ], axis)

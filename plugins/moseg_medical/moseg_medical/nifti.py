@@ -1,0 +1,151 @@
+"""NIfTI-1 and -2: masks in ``.nii`` and ``.nii.gz``, and label maps back (nifti.nimh.nih.gov).
+
+A header may hold two affines, ``sform`` and ``qform``, each with a code for what it refers to.
+nibabel says which counts. A label map is written with the header that was read, both affines and
+codes included, but for what is about the values: their type, scaling, range and intent. Extensions,
+which may hold what a scanner knew of a patient, are not taken over.
+
+Names of labels have no place in the format that programs agree on; they stand in a text beside the
+image, ``femur_labels.txt``, in the form that ITK-SNAP imports.
+"""
+
+from __future__ import annotations
+
+import gzip
+import io
+import logging
+import math
+import struct
+import zlib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from moseg_core import Result, Shape, ShapeError
+from moseg_medical.label_names import label_descriptions
+from moseg_medical.masks import affine_of, label_map, quietly, shape_of_mask, stem_of
+
+SUFFIXES = (".nii", ".nii.gz")
+_HEADER = "nifti"
+_ZIPPED = b"\x1f\x8b"
+_SECOND = 540
+"""Bytes of a header of NIfTI-2."""
+
+
+def read_nifti(path: Path) -> Shape:
+    """Read a mask or label map as a solid voxel grid.
+
+    Parameters
+    ----------
+    path : Path
+
+    Returns
+    -------
+    Shape
+        An element for each cell that is not 0, in the order of the array (C order), in
+        millimetres, x to the right, y to the front, z up.
+
+    Raises
+    ------
+    ShapeError
+        The file is no such file, is cut off, holds an image and no mask, or is empty.
+    """
+    data = path.read_bytes()
+    if data.startswith(_ZIPPED):
+        try:
+            data = gzip.decompress(data)
+        except (OSError, EOFError, zlib.error) as error:
+            raise ShapeError(f"{path.name} cannot be unzipped ({error}); copy it anew") from error
+    image = _image(path, data)
+    header = image.header
+    shape, item = header.get_data_shape(), header.get_data_dtype().itemsize
+    needed = int(header["vox_offset"]) + math.prod(map(int, shape)) * item
+    if not shape or min(shape) < 1 or needed > len(data):
+        raise ShapeError(
+            f"{path.name} announces a volume of {' x '.join(map(str, shape))} and has"
+            f" {len(data)} bytes instead of {needed}; it is cut off or damaged"
+        )
+    with quietly():
+        values = np.asanyarray(image.dataobj)
+    kept = {_HEADER: header.binaryblock}
+    name = stem_of(path.name, SUFFIXES)
+    return shape_of_mask(path, values, image.affine, name=name, header=kept)
+
+
+def _image(path: Path, data: bytes) -> Any:
+    """The image with its header read and its values not yet."""
+    import nibabel
+    from nibabel.filebasedimages import ImageFileError
+    from nibabel.spatialimages import HeaderDataError
+    from nibabel.wrapstruct import WrapStructError
+
+    size = data[:4]
+    second = size in (struct.pack("<i", _SECOND), struct.pack(">i", _SECOND))
+    kind = nibabel.Nifti2Image if second else nibabel.Nifti1Image
+    log = logging.getLogger("nibabel.global")
+    level = log.level
+    log.setLevel(logging.CRITICAL)  # what nibabel repairs is no news, what it cannot is raised
+    try:
+        with quietly():
+            image = kind.from_bytes(data)
+            if image.affine is None or not np.isfinite(image.affine).all():
+                raise ValueError("its affine has numbers that are none")
+            return image
+    except (
+        ImageFileError,
+        HeaderDataError,
+        WrapStructError,
+        ValueError,
+        TypeError,
+        KeyError,
+        OverflowError,
+        EOFError,
+        OSError,
+    ) as error:
+        line = " ".join(str(error).split())[:120]
+        raise ShapeError(f"{path.name} is not a NIfTI file ({line}); save it anew") from error
+    finally:
+        log.setLevel(level)
+
+
+def write_nifti(result: Result, *, name: str) -> dict[str, bytes]:
+    """A label map of the grid that was read: 0 outside, ``i + 1`` in part ``i``; and its names.
+
+    Parameters
+    ----------
+    result : Result
+        Of a voxel grid.
+    name : str
+        ``parts.nii`` or ``parts.nii.gz``; the names go to ``parts_labels.txt``.
+
+    Raises
+    ------
+    UsageError
+        The shape is no voxel grid.
+    """
+    import nibabel
+
+    grid, numbers = label_map(result, "NIfTI")
+    block = grid.header.get(_HEADER)
+    if block is None:
+        image: Any = nibabel.Nifti1Image(numbers, affine_of(grid))
+        image.header.set_xyzt_units("mm")
+    else:
+        kind: Any = nibabel.Nifti2Image if len(block) == _SECOND else nibabel.Nifti1Image
+        known = kind.header_class(block, check=False)
+        known.set_data_shape(numbers.shape)
+        image = kind(numbers, None, known)
+    header = image.header
+    header.set_data_dtype(numbers.dtype)
+    header.set_slope_inter(1, 0)
+    header.set_intent("label")
+    header["cal_min"], header["cal_max"] = 0, len(result.problem.labels)
+    data = image.to_bytes()
+    if name.lower().endswith(".gz"):
+        stream = io.BytesIO()
+        with gzip.GzipFile(filename="", fileobj=stream, mode="wb", mtime=0) as zipped:
+            zipped.write(data)
+        data = stream.getvalue()
+    names = label_descriptions(result.problem.labels).encode()
+    return {f"{stem_of(name, SUFFIXES)}_labels.txt": names, name: data}
