@@ -31,6 +31,7 @@ from moseg_core.components.segmentation import Segmentation
 from moseg_core.errors import MosegError, ShapeError, UsageError
 from moseg_core.io import read_labels, read_result, write_file
 from moseg_core.io.files import check_destination, files_of, write_files
+from moseg_core.io.labels.reading import bearers
 from moseg_core.io.result_loading import check_shape, find_shape
 from moseg_core.problem.settings import SearchOptions
 from moseg_core.problem.statement import Statement
@@ -239,7 +240,8 @@ def _files(word: str, finder: Finder | None) -> tuple[Path, Path | None]:
     if whole.suffix.lower() == ".json":
         return whole, None
     # Groups and nodes of a model are no parts where others are to be found.
-    if whole.suffix.lower() in (_BEARING if finder is None else (".ply",)):
+    bearing = (*_BEARING, *bearers()) if finder is None else (".ply",)
+    if whole.name.lower().endswith(bearing):
         return whole, whole
     if finder is None:
         raise UsageError(
@@ -269,8 +271,10 @@ def _of_labels(
     labelling = read_labels(path, shape, label_property=label_property)
     for note in labelling.notes:
         message(note, quiet=quiet)
-    labels = labelling.labels
-    names = labelling.names or tuple(str(k) for k in range(int(labels.max()) + 1))
+    names, labels = labelling.names, labelling.labels
+    if names is None:  # numbers, of which some may be left out
+        used, labels = np.unique(labels, return_inverse=True)
+        names, labels = tuple(map(str, used[used >= 0])), labels - np.count_nonzero(used < 0)
     rest = len(names)
     whole = Segmentation.from_labels(shape, np.where(labels < 0, rest, labels), rest + 1)
     table = measure_parts(whole, [*names, ""], source=registry())

@@ -61,7 +61,6 @@ def test_labelled_shapes_in_all_forms_that_learn_takes(moseg, mallet, tmp_path):
     assert [(row["part"], row["elements"]) for row in rows] == [
         ("han[dle", str(handle.sum())),
         ("'=head", str((~handle).sum())),
-        ("0", "0"),
         ("1", str((~handle).sum())),
     ]
     assert "shape_cost" not in rows[0]

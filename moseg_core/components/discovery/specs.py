@@ -271,21 +271,26 @@ class ReaderSpec(Spec):
     example : str, optional
         ``"package.module:name"`` of a function of one of the suffixes that returns the contents
         of a small file, as bytes, or None: what the contract kit tries the reader on.
+    labels : str, optional
+        ``"package.module:name"`` of a function of a path and a shape that returns what the file
+        says of the shape's labels, a :class:`moseg_core.Labelling`: of formats that bear labels.
     """
 
     kind = "reader"
 
     suffixes: tuple[str, ...]
     example: str = ""
+    labels: str = ""
 
     def __post_init__(self) -> None:
         super().__post_init__()
         _check_suffixes(self.suffixes, self)
-        if self.example and not TARGET.match(self.example):
-            raise ValueError(
-                f"example {self.example!r} of reader '{self.name}' is not of the form"
-                f" 'package.module:name'"
-            )
+        for what, target in (("example", self.example), ("labels", self.labels)):
+            if target and not TARGET.match(target):
+                raise ValueError(
+                    f"{what} {target!r} of reader '{self.name}' is not of the form"
+                    f" 'package.module:name'"
+                )
 
 
 @dataclass(frozen=True, kw_only=True)

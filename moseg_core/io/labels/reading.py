@@ -1,18 +1,23 @@
 """The one reader of labels: of any file that bears them, for a shape.
 
 By the suffix the file is read as a listing of labels, which is then fitted to the shape
-(:mod:`moseg_core.io.labels`).
+(:mod:`moseg_core.io.labels`). Of other suffixes the reader of a bundle may know what labels the
+file bears (:class:`moseg_core.ReaderSpec`); it is told the shape and answers with a labelling.
 """
 
 from __future__ import annotations
 
+import importlib
 import os
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 
-from moseg_core.errors import UsageError
+from moseg_core.components.discovery.registry import Component, registry
+from moseg_core.components.discovery.specs import ReaderSpec
+from moseg_core.errors import REPORT, PluginError, ShapeError, UsageError
 from moseg_core.io.labels.arrays import read_npy, read_npz
 from moseg_core.io.labels.fitting import fitted
 from moseg_core.io.labels.glb import read_glb_labels
@@ -102,18 +107,15 @@ def read_labels(
             f"{path.name}: '{suffix}' has labels of edges, as MeshCNN writes them, and moseg labels"
             " faces; give the labels of the faces"
         )
-    reader = _READERS.get(suffix)
-    if reader is None:
-        kind = f"'{path.suffix}'" if path.suffix else "no suffix"
-        raise UsageError(
-            f"{path.name}: cannot read labels from a file with {kind};"
-            f" allowed: {', '.join(_READERS)}"
-        )
     asked = (label_property,) if isinstance(label_property, str) else tuple(label_property)
     wanted = Wanted.of(shape, asked)
-    listing = reader(path, wanted)
-    labels, notes = fitted(path, listing, shape)
-    names = listing.names
+    if reader := _READERS.get(suffix):
+        listing = reader(path, wanted)
+        labels, notes = fitted(path, listing, shape)
+        names, notes = listing.names, (*listing.notes, *notes)
+    else:
+        told = _told_by_bundle(path, shape)
+        labels, names, notes = told.labels, told.names, told.notes
     if names is not None and labels.size and labels.max() >= len(names):
         element = int(np.argmax(labels >= len(names)))
         raise file_error(
@@ -133,4 +135,40 @@ def read_labels(
             notes = (*notes, f"{said} counted as the nearest labelled")
         else:
             notes = (*notes, f"{said} left out")
-    return Labelling(labels=labels, names=names, notes=(*listing.notes, *notes))
+    return Labelling(labels=labels, names=names, notes=notes)
+
+
+def bearers() -> dict[str, Component]:
+    """By suffix the readers of bundles whose formats bear labels."""
+    return {
+        suffix: component
+        for suffix, component in registry().suffixes("reader").items()
+        if getattr(component.spec, "labels", "")
+    }
+
+
+def _told_by_bundle(path: Path, shape: Shape | int) -> Labelling:
+    """Labels as the reader of a bundle tells them."""
+    able = bearers()
+    fitting = [suffix for suffix in able if path.name.lower().endswith(suffix)]
+    if not fitting:
+        kind = f"'{path.suffix}'" if path.suffix else "no suffix"
+        raise UsageError(
+            f"{path.name}: cannot read labels from a file with {kind};"
+            f" allowed: {', '.join([*_READERS, *able])}"
+        )
+    if not isinstance(shape, Shape):
+        raise UsageError(f"{path.name}: its labels are those of places; give the shape")
+    component = able[max(fitting, key=len)]
+    module, _, name = cast(ReaderSpec, component.spec).labels.partition(":")
+    try:
+        with component.guard(f"failed on the labels of '{path}'"):
+            told = getattr(importlib.import_module(module), name)(path, shape)
+    except OSError as error:
+        raise ShapeError(f"'{path}' cannot be read: {error.strerror or error}") from error
+    if not isinstance(told, Labelling) or told.labels.shape != (shape.n_elements,):
+        raise PluginError(
+            f"{component.who} must tell a Labelling of {shape.n_elements} labels of '{path}', not"
+            f" {told!r:.60}; {REPORT}"
+        )
+    return told

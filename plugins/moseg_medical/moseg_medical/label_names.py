@@ -9,7 +9,9 @@ visible, and the name in quotes. 3D Slicer reads keys in the header of a NRRD fi
 from __future__ import annotations
 
 import colorsys
-from collections.abc import Sequence
+import re
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 _GOLDEN = 0.618033988749895
 _LONGEST = 200
@@ -61,6 +63,35 @@ def label_descriptions(names: Sequence[str]) -> str:
         red, green, blue = (int(255 * channel) for channel in color)
         lines.append(f'{k:5d} {red:5d}{green:5d}{blue:5d}        1  1  1    "{plain_name(name)}"')
     return "\n".join(lines) + "\n"
+
+
+def described(text: str) -> dict[int, str]:
+    """Names by number, from a text that ITK-SNAP or :func:`label_descriptions` wrote.
+
+    Examples
+    --------
+    >>> described(label_descriptions(["leg", "body"]))
+    {1: 'leg', 2: 'body'}
+    """
+    rows = re.findall(r'^\s*(\d{1,9})\s[^"\n]*"([^"\n]+)"\s*$', text, re.MULTILINE)
+    return {int(number): name for number, name in rows if int(number)}
+
+
+def segments_in(header: Mapping[str, Any]) -> dict[int, str]:
+    """Names by number, from the keys of a NRRD header.
+
+    Examples
+    --------
+    >>> segments_in(segment_keys(["leg", "body"], (4, 4, 2)))
+    {1: 'leg', 2: 'body'}
+    """
+    found = {}
+    for key, name in header.items():
+        match = re.fullmatch(r"Segment(\d{1,9})_Name", key)
+        value = str(header.get(f"Segment{match[1]}_LabelValue", "")) if match else ""
+        if re.fullmatch(r"\d{1,9}", value):
+            found[int(value)] = str(name)
+    return found
 
 
 def segment_keys(names: Sequence[str], size: Sequence[int]) -> dict[str, str]:

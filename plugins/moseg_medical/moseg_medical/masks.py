@@ -23,12 +23,15 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from moseg_core import Result, Shape, ShapeError, UsageError, VoxelGrid
+from moseg_core import Labelling, Result, Shape, ShapeError, UsageError, VoxelGrid
 
 FloatArray = npt.NDArray[np.float64]
 
 _MANY = 256
 """Different numbers from which on they are no labels."""
+
+_APART = 0.1
+"""How far cells of a label map may be from those of a shape, in sides; affines are rounded."""
 
 
 def stem_of(name: str, suffixes: tuple[str, ...]) -> str:
@@ -70,29 +73,7 @@ def shape_of_mask(
     ShapeError
         The volume is no mask, or is empty; the affine spans no space.
     """
-    while values.ndim > 3 and values.shape[-1] == 1:
-        values = values[..., 0]
-    if values.ndim != 3:
-        raise ShapeError(
-            f"{path.name} has a volume of {values.ndim} axes, {' x '.join(map(str, values.shape))};"
-            f" moseg reads one mask of three: save a single volume, or export the segments as one"
-            f" label map"
-        )
-    if values.dtype.kind not in "biuf":
-        raise ShapeError(
-            f"{path.name} holds {values.dtype}, not numbers; save the mask as integers"
-        )
-    if values.dtype.kind == "f":
-        with np.errstate(invalid="ignore"):
-            whole = np.nan_to_num(values, nan=0.5) == np.rint(np.nan_to_num(values, nan=0.5))
-        if not whole.all():
-            raise _no_mask(path, "numbers that are not whole")
-    if values.size and values.min() < 0:
-        raise _no_mask(path, "negative numbers")
-    occupied = values != 0
-    labels = np.unique(values[occupied])
-    if len(labels) > _MANY:
-        raise _no_mask(path, f"{len(labels)} different numbers")
+    occupied, labels = _checked(path, _in_three(path, values))
     notes = []
     if len(labels) > 1:
         some = ", ".join(f"{label:g}" for label in labels[:8].tolist())
@@ -110,6 +91,92 @@ def shape_of_mask(
         )
     except ShapeError as error:
         raise ShapeError(f"{path.name}: {error}") from error
+
+
+def labels_on(
+    path: Path,
+    shape: Shape,
+    values: npt.NDArray[Any],
+    affine: FloatArray,
+    called: Mapping[int, str],
+) -> Labelling:
+    """What a label map says of the cells of a shape.
+
+    Parameters
+    ----------
+    path : Path
+        For messages.
+    shape : Shape
+        A voxel grid of the same size, at the same place.
+    values : (nx, ny, nz) array of numbers
+    affine : (4, 4) float
+        From the index of a cell to its middle, in millimetres, RAS.
+    called : mapping of int to str
+        Names of the numbers, where they are known.
+
+    Returns
+    -------
+    Labelling
+        Of 0 no label. Without any name labels are the numbers themselves.
+
+    Raises
+    ------
+    ShapeError
+        It is no label map, or one of another grid.
+    """
+    values = _in_three(path, values)
+    _, found = _checked(path, values)
+    grid = shape.geometry
+    if not isinstance(grid, VoxelGrid) or grid.occupied.shape != values.shape:
+        size = " x ".join(map(str, values.shape))
+        raise ShapeError(f"{path.name} labels a grid of {size} cells, which '{shape.name}' is not")
+    ends = np.array([[*corner, 1.0] for corner in np.ndindex(2, 2, 2)]) * [*values.shape, 1]
+    apart = np.abs(ends @ (affine - affine_of(grid)).T).max()
+    if not apart < _APART * grid.pitch.min():
+        raise ShapeError(
+            f"{path.name} labels another place than '{shape.name}': its cells are up to"
+            f" {apart:.3g} mm away"
+        )
+    numbers = values[tuple(grid.cells.T)].astype(np.int64)
+    if not called:
+        return Labelling(labels=np.where(numbers > 0, numbers, -1), names=None)
+    used = [number for number in found.astype(np.int64).tolist() if number > 0]
+    labels = np.where(numbers > 0, np.searchsorted(used, numbers), -1)
+    names = tuple(called.get(number, f"label {number}") for number in used)
+    return Labelling(labels=labels, names=names)
+
+
+def _in_three(path: Path, values: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """A volume of three axes; those of one cell at the end, as for time, are left out."""
+    while values.ndim > 3 and values.shape[-1] == 1:
+        values = values[..., 0]
+    if values.ndim != 3:
+        raise ShapeError(
+            f"{path.name} has a volume of {values.ndim} axes, {' x '.join(map(str, values.shape))};"
+            f" moseg reads one mask of three: save a single volume, or export the segments as one"
+            f" label map"
+        )
+    return values
+
+
+def _checked(path: Path, values: npt.NDArray[Any]) -> tuple[npt.NDArray[np.bool_], Any]:
+    """Which cells are not 0, and the numbers that there are; an error for what is no mask."""
+    if values.dtype.kind not in "biuf":
+        raise ShapeError(
+            f"{path.name} holds {values.dtype}, not numbers; save the mask as integers"
+        )
+    if values.dtype.kind == "f":
+        with np.errstate(invalid="ignore"):
+            whole = np.nan_to_num(values, nan=0.5) == np.rint(np.nan_to_num(values, nan=0.5))
+        if not whole.all():
+            raise _no_mask(path, "numbers that are not whole")
+    if values.size and values.min() < 0:
+        raise _no_mask(path, "negative numbers")
+    occupied = values != 0
+    labels = np.unique(values[occupied])
+    if len(labels) > _MANY:
+        raise _no_mask(path, f"{len(labels)} different numbers")
+    return occupied, labels
 
 
 def _no_mask(path: Path, what: str) -> ShapeError:

@@ -22,11 +22,20 @@ from typing import Any
 
 import numpy as np
 
-from moseg_core import Result, Shape, ShapeError
-from moseg_medical.label_names import label_descriptions
-from moseg_medical.masks import affine_of, label_map, quietly, shape_of_mask, stem_of
+from moseg_core import Labelling, Result, Shape, ShapeError
+from moseg_medical.label_names import described, label_descriptions
+from moseg_medical.masks import (
+    FloatArray,
+    affine_of,
+    label_map,
+    labels_on,
+    quietly,
+    shape_of_mask,
+    stem_of,
+)
 
 SUFFIXES = (".nii", ".nii.gz")
+_NAMES = "_labels.txt"
 _HEADER = "nifti"
 _ZIPPED = b"\x1f\x8b"
 _SECOND = 540
@@ -51,6 +60,33 @@ def read_nifti(path: Path) -> Shape:
     ShapeError
         The file is no such file, is cut off, holds an image and no mask, or is empty.
     """
+    values, affine, header = _volume(path)
+    name = stem_of(path.name, SUFFIXES)
+    return shape_of_mask(path, values, affine, name=name, header={_HEADER: header})
+
+
+def nifti_labels(path: Path, shape: Shape) -> Labelling:
+    """What a label map says of the cells of a shape; with names from the text beside it.
+
+    Parameters
+    ----------
+    path : Path
+    shape : Shape
+        A voxel grid of the same size, at the same place.
+
+    Raises
+    ------
+    ShapeError
+        The file is no such file, or labels another grid.
+    """
+    values, affine, _ = _volume(path)
+    beside = path.with_name(f"{stem_of(path.name, SUFFIXES)}{_NAMES}")
+    text = beside.read_text(encoding="utf-8", errors="replace") if beside.is_file() else ""
+    return labels_on(path, shape, values, affine, described(text))
+
+
+def _volume(path: Path) -> tuple[Any, FloatArray, bytes]:
+    """The values, the affine and the header."""
     data = path.read_bytes()
     if data.startswith(_ZIPPED):
         try:
@@ -68,9 +104,7 @@ def read_nifti(path: Path) -> Shape:
         )
     with quietly():
         values = np.asanyarray(image.dataobj)
-    kept = {_HEADER: header.binaryblock}
-    name = stem_of(path.name, SUFFIXES)
-    return shape_of_mask(path, values, image.affine, name=name, header=kept)
+    return values, image.affine, header.binaryblock
 
 
 def _image(path: Path, data: bytes) -> Any:
@@ -148,4 +182,4 @@ def write_nifti(result: Result, *, name: str) -> dict[str, bytes]:
             zipped.write(data)
         data = stream.getvalue()
     names = label_descriptions(result.problem.labels).encode()
-    return {f"{stem_of(name, SUFFIXES)}_labels.txt": names, name: data}
+    return {f"{stem_of(name, SUFFIXES)}{_NAMES}": names, name: data}

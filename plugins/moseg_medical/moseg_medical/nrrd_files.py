@@ -19,12 +19,13 @@ from typing import Any
 
 import numpy as np
 
-from moseg_core import Result, Shape, ShapeError
-from moseg_medical.label_names import segment_keys
+from moseg_core import Labelling, Result, Shape, ShapeError
+from moseg_medical.label_names import segment_keys, segments_in
 from moseg_medical.masks import (
     FloatArray,
     affine_of,
     label_map,
+    labels_on,
     quietly,
     shape_of_mask,
     stem_of,
@@ -67,6 +68,31 @@ def read_nrrd(path: Path) -> Shape:
         The file is no such file, is cut off, holds an image and no mask, or is empty; its values
         are in another file.
     """
+    values, affine, header = _volume(path)
+    name = stem_of(path.name, SUFFIXES)
+    return shape_of_mask(path, values, affine, name=name, header={_HEADER: header})
+
+
+def nrrd_labels(path: Path, shape: Shape) -> Labelling:
+    """What a label map says of the cells of a shape; with the names of its segments.
+
+    Parameters
+    ----------
+    path : Path
+    shape : Shape
+        A voxel grid of the same size, at the same place.
+
+    Raises
+    ------
+    ShapeError
+        The file is no such file, or labels another grid.
+    """
+    values, affine, header = _volume(path)
+    return labels_on(path, shape, values, affine, segments_in(header))
+
+
+def _volume(path: Path) -> tuple[Any, FloatArray, dict[str, Any]]:
+    """The values, the affine and the header."""
     import nrrd
 
     stream = io.BytesIO(path.read_bytes())
@@ -98,8 +124,7 @@ def read_nrrd(path: Path) -> Shape:
     # A list of one layer in front, as 3D Slicer may write it.
     while values.ndim > 3 and values.shape[0] == 1:
         values = values[0]
-    name = stem_of(path.name, SUFFIXES)
-    return shape_of_mask(path, values, affine, name=name, header={_HEADER: header})
+    return values, affine, header
 
 
 def _check(path: Path, header: dict[str, Any]) -> None:

@@ -18,6 +18,7 @@ def moseg_readers() -> list[ReaderSpec]:
         ReaderSpec(
             name="nifti",
             target=f"{_PACKAGE}.nifti:read_nifti",
+            labels=f"{_PACKAGE}.nifti:nifti_labels",
             suffixes=_NIFTI,
             example=f"{_PACKAGE}.examples:example",
             summary="masks in NIfTI, in millimetres as the scanner placed them",
@@ -25,6 +26,7 @@ def moseg_readers() -> list[ReaderSpec]:
         ReaderSpec(
             name="nrrd",
             target=f"{_PACKAGE}.nrrd_files:read_nrrd",
+            labels=f"{_PACKAGE}.nrrd_files:nrrd_labels",
             suffixes=_NRRD,
             example=f"{_PACKAGE}.examples:example",
             summary="masks in NRRD, in millimetres as the scanner placed them",

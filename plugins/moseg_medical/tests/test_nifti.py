@@ -126,3 +126,30 @@ def test_a_file_that_announces_more_than_it_has(tmp_path):
     path.write_bytes(b"a text that is long enough for a header" * 20)
     with pytest.raises(ShapeError, match="is not a NIfTI file"):
         read_nifti(path)
+
+
+def test_labels_of_a_map_with_the_names_beside_it(tmp_path):
+    shape = moseg.load(saved(tmp_path, nibabel.Nifti1Image(ell(), AFFINE)))
+    result = result_on(shape)
+    moseg.save(result, tmp_path / "parts.nii.gz")
+    found = moseg.read_labels(tmp_path / "parts.nii.gz", shape)
+    assert found.labels.tolist() == result.labels.tolist()
+    assert found.names == ("first", "second")
+    (tmp_path / "parts_labels.txt").unlink()
+    bare = moseg.read_labels(tmp_path / "parts.nii.gz", shape)
+    assert (bare.labels - 1).tolist() == result.labels.tolist()
+    assert bare.names is None
+
+
+def test_labels_are_those_of_places(tmp_path):
+    shape = moseg.load(saved(tmp_path, nibabel.Nifti1Image((ell() == 2).astype("u1"), AFFINE)))
+    other = saved(tmp_path, nibabel.Nifti1Image(ell(), AFFINE), "labels.nii")
+    assert set(moseg.read_labels(other, shape).labels.tolist()) == {2}
+    moved = AFFINE.copy()
+    moved[0, 3] += 1.0
+    away = saved(tmp_path, nibabel.Nifti1Image(ell(), moved), "away.nii")
+    with pytest.raises(ShapeError, match=r"labels another place .* up to 1 mm away"):
+        moseg.read_labels(away, shape)
+    small = saved(tmp_path, nibabel.Nifti1Image(ell()[1:], AFFINE), "small.nii")
+    with pytest.raises(ShapeError, match="labels a grid of 4 x 4 x 3 cells"):
+        moseg.read_labels(small, shape)

@@ -124,3 +124,14 @@ def test_damaged_headers(tmp_path, lines, message):
     path.write_text(f"NRRD0005\ntype: uint8\ndimension: 3\n{lines}encoding: raw\n\n")
     with pytest.raises(ShapeError, match=message):
         read_nrrd(path)
+
+
+def test_labels_of_a_map_with_the_names_of_its_segments(tmp_path):
+    shape = moseg.load(saved(tmp_path, ell(), header_of()))
+    result = result_on(shape)
+    moseg.save(result, tmp_path / "parts.nrrd")
+    found = moseg.read_labels(tmp_path / "parts.nrrd", shape)
+    assert (found.labels.tolist(), found.names) == (result.labels.tolist(), ("first", "second"))
+    some = header_of(Segment0_Name="femur", Segment0_LabelValue="2", Segment1_Name="lost")
+    partly = moseg.read_labels(saved(tmp_path, ell(), some, "some.nrrd"), shape)
+    assert partly.names == ("label 1", "femur")

@@ -107,6 +107,8 @@ def test_the_example_of_a_reader_is_a_target():
     assert spec.example == "a.b:c"
     with pytest.raises(ValueError, match=r"example 'a\.b' of reader 'x' is not of the form"):
         ReaderSpec(name="x", target="a:b", suffixes=(".x",), example="a.b")
+    with pytest.raises(ValueError, match=r"labels 'a\.b' of reader 'x' is not of the form"):
+        ReaderSpec(name="x", target="a:b", suffixes=(".x",), labels="a.b")
 
 
 @pytest.mark.parametrize("make", [ReaderSpec, WriterSpec])

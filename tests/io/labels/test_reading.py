@@ -2,13 +2,17 @@ from __future__ import annotations
 
 import json
 import os
+import sys
+import types
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from moseg_core.errors import UsageError
-from moseg_core.io.labels import Labelling, encode_named_labels, encode_seg, read_labels
+from moseg_core.components.discovery.registry import Bundle, Component, Registry
+from moseg_core.components.discovery.specs import ReaderSpec
+from moseg_core.errors import PluginError, ShapeError, UsageError
+from moseg_core.io.labels import Labelling, encode_named_labels, encode_seg, read_labels, reading
 from moseg_core.shape.shape import Shape
 from tests import shapes
 
@@ -111,7 +115,7 @@ def test_labels_of_a_mesh_need_a_name_each(refusal):
 @pytest.mark.parametrize("name", ["labels.xlsx", "labels", "labels.seg.gz"])
 def test_other_suffixes_are_refused_with_those_allowed(name, as_file):
     with pytest.raises(
-        UsageError, match=r"allowed: \.seg, \.txt, .*, \.json, \.npy, .*, \.glb, \.gltf$"
+        UsageError, match=r"allowed: \.seg, \.txt, .*, \.json, \.npy, .*, \.glb, \.gltf\b"
     ):
         read_labels(as_file(name, "0\n"), 1)
 
@@ -191,3 +195,48 @@ def test_benchmark_labels_come_back_as_they_were_written(as_file):
             assert (
                 encode_seg(read_labels(seg, int(off[2])).labels).split() == seg.read_bytes().split()
             )
+
+
+@pytest.fixture
+def acme(monkeypatch):
+    """A bundle's reader of ``.sheet`` files, whose labels a function tells."""
+
+    def make(told):
+        made = types.ModuleType("labels_of_acme")
+        made.told = told
+        monkeypatch.setitem(sys.modules, "labels_of_acme", made)
+        spec = ReaderSpec(
+            name="sheet",
+            target="labels_of_acme:read",
+            suffixes=(".sheet", ".sheet.gz"),
+            labels="labels_of_acme:told",
+        )
+        bundle = Bundle("acme", "acme", "1", "", (Component("acme", "acme 1", spec),))
+        monkeypatch.setattr(reading, "registry", lambda: Registry([bundle]))
+
+    return make
+
+
+def test_the_reader_of_a_bundle_tells_labels(acme, tmp_path, row):
+    asked = []
+    told = Labelling(labels=np.array([0, 1, 1, -1, 0, 0]), names=("a", "b"), notes=("seen",))
+    acme(lambda path, shape: asked.append((path.name, shape)) or told)
+    found = read_labels(tmp_path / "x.Sheet.GZ", row)
+    assert asked == [("x.Sheet.GZ", row)]
+    assert (found.labels.tolist(), found.names) == ([0, 1, 1, -1, 0, 0], ("a", "b"))
+    assert found.notes == ("seen", "x.Sheet.GZ: 1 of 6 faces is unlabelled and left out")
+    assert read_labels(tmp_path / "x.sheet", row, fill=True).labels.min() == 0
+    with pytest.raises(UsageError, match="labels are those of places; give the shape"):
+        read_labels(tmp_path / "x.sheet", 6)
+
+
+def test_a_bundle_that_tells_no_labels_is_named(acme, tmp_path, row):
+    acme(lambda path, shape: [0, 1])
+    with pytest.raises(PluginError, match=r"'acme:sheet' of acme 1 must tell a Labelling of 6"):
+        read_labels(tmp_path / "x.sheet", row)
+    acme(lambda path, shape: 1 / 0)
+    with pytest.raises(PluginError, match=r"'acme:sheet' of acme 1 failed on the labels of"):
+        read_labels(tmp_path / "x.sheet", row)
+    acme(lambda path, shape: path.read_bytes())
+    with pytest.raises(ShapeError, match="cannot be read: No such file"):
+        read_labels(tmp_path / "x.sheet", row)
