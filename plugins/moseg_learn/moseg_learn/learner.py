@@ -72,7 +72,8 @@ def profiles(
         "alike": ``finger1`` and ``finger2`` are both of the kind ``finger``; "different": they are
         kinds of their own.
     separate : float
-        Weight of ``separate_parts``; 0 leaves the term out, here and below.
+        Weight of ``separate_parts``; 0 leaves the term out, here and below. Of solids and clouds,
+        which have no creases, it is that of ``short_boundaries``.
     likely : float
         Weight of how likely the places of a part are to bear its label.
     touching, apart : float
@@ -123,7 +124,7 @@ def profiles(
         *(_likely_terms(likely, looks, sets) if looks else []),
         *_relation_terms("touching", touching, relations.touching, sets),
         *_relation_terms("apart", apart, relations.apart, sets),
-        *([_weighted(separate, "separate_parts")] if separate else []),
+        *_boundary_terms(separate, cut),
     ]
     statement = Statement(
         labels=sets.stated,
@@ -175,6 +176,14 @@ def _has_looks(examples: Sequence[Pieces]) -> bool:
     return all(
         pieces.shape.adjacency is not None and pieces.shape.has_surface for pieces in examples
     )
+
+
+def _boundary_terms(weight: float, examples: Sequence[Pieces]) -> Iterator[str]:
+    """The term about where parts meet, as far as the examples' shapes can tell."""
+    if weight and _has_looks(examples):
+        yield _weighted(weight, "separate_parts")
+    elif weight and all(pieces.shape.adjacency is not None for pieces in examples):
+        yield _weighted(weight, "short_boundaries")
 
 
 def _free_name(name: str, taken: Container[str]) -> str:

@@ -98,7 +98,17 @@ def test_clouds_are_learned_from_by_what_they_tell():
     found = learn([Example(cloud, labels, ("a", "b", "c"))])
     assert "likely" not in found.statement.minimize
     assert "thickness" not in found.statement.given["a"]
+    assert found.statement.minimize.endswith(" + 10*short_boundaries")
     assert found.hierarchies()
+
+
+def test_what_is_learned_of_a_solid_can_be_searched_on_a_solid():
+    solid = Shape.from_voxels(np.ones((9, 3, 2), bool), pitch=(1.0, 1.0, 2.0), name="solid")
+    labels = np.digitize(solid.points[:, 0], [6.0])
+    found = learn([Example(solid, labels, ("long", "short"))])
+    assert "separate" not in found.statement.minimize
+    for task in found.hierarchies():
+        task.check(solid)
 
 
 def test_examples_of_one_part_show_too_little(herd, make):
