@@ -30,7 +30,7 @@ from moseg_core.components.protocols import Progress
 from moseg_core.components.segmentation import Segmentation
 from moseg_core.errors import MosegError, ShapeError, UsageError
 from moseg_core.io import read_labels, read_result, write_file
-from moseg_core.io.files import check_destination, files_of, write_files
+from moseg_core.io.files import check_destination, files_of, instead_of, write_files
 from moseg_core.io.labels.reading import bearers
 from moseg_core.io.result_loading import check_shape, find_shape
 from moseg_core.problem.settings import SearchOptions
@@ -206,11 +206,12 @@ def _measured(
 ) -> PartTable:
     """The table of what one word stands for."""
     path, labels = _files(word, finder)
-    if path.suffix.lower() == ".json":
-        return _of_result(path, reading, folders)
-    for file in (path, labels):
+    saved = path.suffix.lower() == ".json"
+    for file in (labels, path if saved else None):  # of shapes whoever reads them says more
         if file is not None and not file.exists():
-            raise ShapeError(f"there is no file '{file}'")
+            raise ShapeError(f"'{file}' does not exist{instead_of(file)}")
+    if saved:
+        return _of_result(path, reading, folders)
     shape = read_shape(path, reading)
     for note in shape.notes:
         message(f"{path.name}: {note}", quiet=quiet)

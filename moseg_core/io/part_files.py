@@ -308,7 +308,7 @@ def _cells(grid: VoxelGrid, elements: IntArray) -> tuple[VoxelGrid, IntArray]:
     """Some cells of a solid as a solid of their own."""
     kept = np.zeros_like(grid.occupied)
     kept[tuple(grid.cells[elements].T)] = True
-    alone = VoxelGrid.from_occupied(kept, pitch=grid.pitch, origin=grid.origin)
+    alone = VoxelGrid.from_occupied(kept, pitch=grid.steps, origin=grid.origin)
     return alone, np.arange(alone.n_elements)
 
 

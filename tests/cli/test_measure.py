@@ -99,7 +99,7 @@ def test_what_fails_is_named_and_the_rest_measured(moseg, segmented, tmp_path):
     run = moseg("measure", broken, tmp_path / "none.off=a.txt", segmented, "-o", out)
     assert run.code == 1
     assert f"[1/3] {broken}: " in run.err
-    assert "there is no file" in run.err
+    assert "a.txt' does not exist" in run.err
     assert f"2 of 3 could not be measured: {broken}, " in run.err
     assert len(rows_of(out)) == 2
     assert moseg("measure", broken).code == 2

@@ -118,6 +118,15 @@ def test_cells_of_a_solid_are_closed_where_they_were_cut():
     assert solid_of(files[Path("core.stl")]).volume == pytest.approx(8.0)
 
 
+def test_oblique_cells_are_cut_along_their_sides():
+    steps = [[1.0, 0, 0], [0.2, 1.0, 0], [0.3, -0.1, 2.0]]
+    bar = Shape.from_voxels(np.ones((5, 3, 3), bool), pitch=steps)
+    result = named(bar, bar.geometry.cells[:, 0] > 1, "left", "right")
+    closed, _ = part_files(result, Path("{part}.stl"), PartForm(close=True))
+    solid = solid_of(closed[Path("left.stl")])
+    assert solid.volume == pytest.approx(2 * 9 * np.linalg.det(steps), rel=1e-5)
+
+
 def test_what_cannot_be_closed_is_written_and_named(tmp_path):
     book = Shape.from_mesh(*shapes.joined(shapes.book(3), shapes.box()))
     result = named(book, [0] * 3 + [1] * 6, "book", "box")
