@@ -3,9 +3,10 @@
 PYTHON ?= python3
 BIN := .venv/bin
 STAMP := .venv/.installed
+DOCS_STAMP := .venv/.installed-docs
 PLUGINS := $(wildcard plugins/*)
 
-.PHONY: install demo test test-slow test-browser lint format benchmark constraints clean
+.PHONY: install demo test test-slow test-browser lint format docs pages benchmark constraints clean
 
 install: $(STAMP)
 
@@ -52,6 +53,21 @@ format: $(STAMP)
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
 
+# The site, in build/docs; what it is made of beside docs/*.md is in docs/conf.py.
+docs: $(DOCS_STAMP)
+	$(BIN)/sphinx-build -b html -j 2 -W --keep-going -q docs build/docs
+	@echo "build/docs/index.html"
+
+$(DOCS_STAMP): $(STAMP)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[docs]"
+	@touch $@
+
+# The pages that are made from the code; tests compare.
+pages: $(STAMP)
+	$(BIN)/python tools/make_component_docs.py
+	$(BIN)/python tools/make_check_docs.py
+	$(BIN)/python tools/make_cli_docs.py
+
 benchmark: $(STAMP)
 	$(BIN)/python benchmarks/speed.py
 
@@ -59,8 +75,8 @@ benchmark: $(STAMP)
 constraints:
 	echo "# Versions that the test suite runs with; made by 'make constraints'." > constraints.txt
 	uv pip compile --universal --quiet --no-header --no-annotate --no-emit-index-url \
-		--no-emit-find-links --python-version 3.11 --extra dev --extra browser --no-emit-package moseg-core \
+		--no-emit-find-links --python-version 3.11 --extra dev --extra browser --extra docs --no-emit-package moseg-core \
 		pyproject.toml $(addsuffix /pyproject.toml,$(PLUGINS)) >> constraints.txt
 
 clean:
-	rm -rf .venv build demo dist .mypy_cache .pytest_cache .ruff_cache .hypothesis
+	rm -rf .venv build demo dist docs/gallery docs/generated .mypy_cache .pytest_cache .ruff_cache .hypothesis

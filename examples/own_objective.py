@@ -1,10 +1,15 @@
-"""An objective of one's own is as short as its formula: a horse's legs stand upright (Sec. 3).
+"""An objective of your own
+========================
+
+An objective of one's own is as short as its formula: a horse's legs stand upright (Sec. 3).
 
 An objective is a function of a part, 0 where it is met. ``upright`` compares the part's long axis
 with the file's y axis, which points up in the sample horse, and ``ahead`` looks along its x axis,
 in which the horse walks. So a rigid motion changes them, and they declare only what does not. A
 package makes an objective everybody's (``docs/authors/index.md``); here they are handed to the
 problem.
+
+::
 
     python examples/own_objective.py FOLDER
 

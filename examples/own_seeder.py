@@ -1,8 +1,13 @@
-"""A seeder of one's own: where the search begins (Sec. 5), tried without making a package.
+"""A seeder of your own
+====================
+
+A seeder of one's own: where the search begins (Sec. 5), tried without making a package.
 
 A component is any object that answers the calls of its kind (``moseg_core.Seeder``). Installed ones
 are found through entry points; a registry made by hand holds further ones, here a bundle ``mine``
 with the seeder ``strung``: centres strung along the shape's long axis.
+
+::
 
     python examples/own_seeder.py FOLDER
 

@@ -1,8 +1,13 @@
-"""A part is segmented in its turn by a problem of its own: several levels (Sec. 10, Fig. 8).
+"""Parts of parts
+==============
+
+A part is segmented in its turn by a problem of its own: several levels (Sec. 10, Fig. 8).
 
 First handle and head of the hammer are told apart; then, in the head, the round face that strikes
 from the peen, which ends in an edge. Labels of the result are paths, ``head/peen``. What is said of
 a part in its own problem looks at nothing but that part.
+
+::
 
     python examples/parts_of_parts.py FOLDER
 

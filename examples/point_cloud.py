@@ -1,9 +1,14 @@
-"""Points without faces can be segmented too: an element is then a point.
+"""A point cloud
+=============
+
+Points without faces can be segmented too: an element is then a point.
 
 A scan says where the surface is and not what belongs together. Areas are estimated from distances
 between points. Neighbours are found with ``adjacency="knn"``, and the volume of the convex hull
 stands for that of the shape with ``with_volume("hull")``, because somebody asks for it: without, an
 objective that needs them is refused with what to do.
+
+::
 
     python examples/point_cloud.py FOLDER
 

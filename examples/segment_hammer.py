@@ -1,7 +1,12 @@
-"""A hammer is a narrow handle and a head set across it: the paper's first example (Fig. 1).
+"""A hammer
+========
+
+A hammer is a narrow handle and a head set across it: the paper's first example (Fig. 1).
 
 The cost is a weighted sum of three things that one knows of a hammer. The search finds the two
 parts that make it least; ``result.evaluation`` says what each of the three still costs.
+
+::
 
     python examples/segment_hammer.py FOLDER
 

@@ -1,8 +1,13 @@
-"""What is symmetric is cut symmetrically: constraints on the centres (Sec. 8).
+"""A symmetric animal
+==================
+
+What is symmetric is cut symmetrically: constraints on the centres (Sec. 8).
 
 ``mirror(wing2, wing1)`` makes the centre of one wing the mirror image of the other's, ``on_plane``
 keeps that of the body on the plane of symmetry, which is found on the shape. The search then has 7
 numbers to find instead of 12, and cannot give one wing another shape than the other.
+
+::
 
     python examples/symmetric_animal.py FOLDER
 

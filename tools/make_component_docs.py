@@ -7,6 +7,9 @@ of objectives are made, between two marks::
     <!-- objectives: made by tools/make_component_docs.py -->
     <!-- end of objectives -->
 
+and in the latter a section for each, between those of ``pictures``, with the picture that
+``tools/make_objective_pictures.py`` has drawn.
+
 What an objective is about and where it is small is the ``summary`` of its spec, ``"one part: long
 and thin"``; its formula is the first line of its docstring. Run it after a change of either; a
 test compares::
@@ -156,14 +159,39 @@ def source(explained: Explained) -> str:
 
 def table(columns: dict[str, Callable[[Explained], str]]) -> str:
     """A table of the basic objectives, in the order in which their bundle has them."""
-    known = [c for c in registry().components() if (c.kind, c.bundle) == ("objective", "basic")]
-    rows = [[make(explain_component(c)) for make in columns.values()] for c in known]
+    rows = [[make(told) for make in columns.values()] for told in basic_objectives()]
     lines = [list(columns), ["---"] * len(columns), *rows]
     return "".join(f"| {' | '.join(line)} |\n" for line in lines)
 
 
+def basic_objectives() -> list[Explained]:
+    """The basic objectives, in the order in which their bundle has them."""
+    known = registry().components("objective")
+    return [explain_component(component) for component in known if component.bundle == "basic"]
+
+
+def sections() -> str:
+    """A section for each basic objective: how it is written, where it is small, its picture."""
+    return "\n".join(_section(told) for told in basic_objectives())
+
+
+def _section(told: Explained) -> str:
+    name = told.component.spec.name
+    return (
+        f"### {name}\n\n"
+        f"`{call(told)}`, {about(told.traits)}: {small_when(told)}. {formula(told)},"
+        f" {span(told.traits)}.\n\n"
+        f"![{name}: low on the left, high on the right](images/objectives/{name}.png)\n"
+    )
+
+
 def _code(explained: Explained) -> str:
     return f"`{call(explained)}`"
+
+
+def _linked(explained: Explained) -> str:
+    name = explained.component.spec.name
+    return f"[{_code(explained)}](#{name})"
 
 
 def _about(explained: Explained) -> str:
@@ -178,36 +206,47 @@ def _range(explained: Explained) -> str:
 BLOCKS: dict[Path, dict[str, Callable[[Explained], str]]] = {
     ROOT / "README.md": {"objective": _code, "about": _about, "small when": small_when},
     ROOT / "docs" / "objectives.md": {
-        "objective": _code,
+        "objective": _linked,
         "small when": small_when,
         "formula": formula,
         "range": _range,
         "paper": source,
     },
 }
-_BLOCK = re.compile(
-    r"(?<=<!-- objectives: made by tools/make_component_docs.py -->\n).*"
-    r"(?=<!-- end of objectives -->\n)",
-    re.DOTALL,
-)
 
 
-def filled(text: str, made: str) -> str:
+def filled(text: str, made: str, block: str = "objectives") -> str:
     """The text of a page with what is made between its marks.
+
+    Parameters
+    ----------
+    text : str
+    made : str
+    block : str
+        The word in the marks.
 
     Raises
     ------
     ValueError
-        The page has no marks.
+        The page has no such marks.
     """
-    found, count = _BLOCK.subn(lambda _: f"\n{made}\n", text)
+    pattern = (
+        rf"(?<=<!-- {block}: made by tools/make_component_docs.py -->\n).*"
+        rf"(?=<!-- end of {block} -->\n)"
+    )
+    found, count = re.subn(pattern, lambda _: f"\n{made}\n", text, flags=re.DOTALL)
     if count != 1:
-        raise ValueError("the page has no place that is marked for the table of objectives")
+        raise ValueError(f"the page has no place that is marked for {block}")
     return found
+
+
+def made_page(path: Path) -> str:
+    """The text of a page of :data:`BLOCKS`, with what is made in it."""
+    text = filled(path.read_text(encoding="utf-8"), table(BLOCKS[path]))
+    return filled(text, sections(), "pictures") if path.name == "objectives.md" else text
 
 
 if __name__ == "__main__":
     PAGE.write_text(page(), encoding="utf-8")
-    for path, columns in BLOCKS.items():
-        text = path.read_text(encoding="utf-8")
-        path.write_text(filled(text, table(columns)), encoding="utf-8")
+    for path in BLOCKS:
+        path.write_text(made_page(path), encoding="utf-8")

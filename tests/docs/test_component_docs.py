@@ -15,9 +15,11 @@ from tools.make_component_docs import (
     BUNDLES,
     PAGE,
     ROOT,
+    basic_objectives,
     call,
     filled,
     formula,
+    made_page,
     page,
     small_when,
     source,
@@ -53,7 +55,14 @@ def test_the_page_of_components_is_up_to_date():
 
 @pytest.mark.parametrize("path", BLOCKS, ids=lambda path: path.name)
 def test_the_tables_of_objectives_are_up_to_date(path):
-    assert path.read_text() == filled(path.read_text(), table(BLOCKS[path])), AGAIN
+    assert path.read_text() == made_page(path), AGAIN
+
+
+def test_there_is_a_small_picture_of_every_basic_objective_and_no_other():
+    folder = ROOT / "docs" / "images" / "objectives"
+    drawn = {path.stem: path.stat().st_size for path in folder.glob("*.png")}
+    assert sorted(drawn) == sorted(told.component.spec.name for told in basic_objectives())
+    assert sum(drawn.values()) < 1e6
 
 
 @pytest.mark.parametrize(

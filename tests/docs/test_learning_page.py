@@ -54,23 +54,6 @@ def test_the_walk_can_be_walked(tmp_path, monkeypatch, capsys):
     assert "typical" in shown["explain bulldog.json"]
 
 
-def test_what_the_page_says_in_python_runs(tmp_path, monkeypatch):
-    """With labels made by hand, and without the search."""
-    (block,) = re.findall(r"^```python\n(.*?)^```", PAGE.read_text(), re.M | re.S)
-    monkeypatch.chdir(tmp_path)
-    for name, labels in (("horse", "horse.json"), ("bulldog", None)):
-        Path(f"{name}.ply").write_bytes(moseg.sample_path(name).read_bytes())
-        if labels:
-            truth = moseg.sample_labels_path(name)
-            block = block.replace(labels, f"{name}.txt")
-            Path(f"{name}.txt").write_bytes(truth.read_bytes())
-    *most, last = block.strip().splitlines()
-    assert last.startswith("result = moseg.segment_variants(")
-    scope = {}
-    exec("\n".join(most), scope)
-    assert scope["recipe"].labels == ("body", "head", "leg1", "leg2", "leg3", "leg4")
-
-
 def test_every_measure_and_key_is_explained(capsys):
     text = PAGE.read_text()
     recipe_keys = ("learned_from", "labels", "variants", "parameterization", "seeder", "restarts")

@@ -1,0 +1,61 @@
+"""Make ``docs/cli.md``: every command with its options, as ``moseg COMMAND --help`` explains them.
+
+From the parser itself, by cyclopts' own generator of documentation; the commands of moseg's bundles
+come after those of the core. A test compares::
+
+    python tools/make_cli_docs.py
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+from cyclopts import App
+
+from moseg_core.cli.app import app
+from moseg_core.cli.overview import ENTRIES, PURPOSE
+from moseg_core.components.discovery.registry import registry
+from tools.make_component_docs import BUNDLES
+
+PAGE = Path(__file__).parents[1] / "docs" / "cli.md"
+
+INTRODUCTION = f"""\
+# The command line
+
+{PURPOSE}
+`moseg COMMAND --help` prints the same of one command; made from the parser by
+`tools/make_cli_docs.py`.
+
+Data goes to stdout, messages to stderr. Exit codes are 0 ok, 1 failure, 2 usage or expression, 3 a
+shape that cannot be used, 130 interrupted, 143 told to end.
+"""
+
+
+def commands() -> App:
+    """All commands, without a change to the parser that the process itself uses."""
+    whole = App(name="moseg", help_flags=[], version_flags=[])
+    for name in ENTRIES:
+        if not name.startswith("-"):
+            whole.command(app[name], name=name)
+    for component in registry().components("command"):
+        if component.bundle in BUNDLES:
+            whole.command(component.load(), name=component.spec.name)
+    return whole
+
+
+def page() -> str:
+    """The text of the page."""
+    return INTRODUCTION + "".join(_sections(commands()))
+
+
+def _sections(whole: App) -> Iterator[str]:
+    for name in whole:
+        text = whole[name].generate_docs(heading_level=2, usage_name=f"moseg {name}")
+        text = re.sub(r"^## Table of Contents\n+(?: *- .*\n)+", "", text, flags=re.MULTILINE)
+        yield "\n" + re.sub(r"\n{3,}", "\n\n", text).strip() + "\n"
+
+
+if __name__ == "__main__":
+    PAGE.write_text(page(), encoding="utf-8")
