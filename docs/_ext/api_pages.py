@@ -1,9 +1,9 @@
 """Pages of the API: every name of the public face, in the room where it is defined.
 
 ``moseg_core/__init__.pyi`` has a line for each public name with the module that defines it, and
-``moseg_core.__getattr__`` imports by that list. So a list made from it is complete by construction.
-A page ``generated/ROOM.rst`` is written for each room, with an ``autosummary`` that makes a page for
-each name; ``api.md`` lists the rooms.
+``moseg_core.__getattr__`` imports by that list. So a list made from it is complete by
+construction. A page ``generated/ROOM.rst`` is written for each room, with an ``autosummary`` that
+makes a page for each name; ``generated/index.rst`` lists the rooms.
 """
 
 from __future__ import annotations

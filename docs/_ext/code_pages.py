@@ -1,7 +1,7 @@
 """Files of code that prose names are shown with the site.
 
-Where a page says ``moseg_core/builtin/flood.py`` in a code span, and there is such a file, the words
-become a link to a page that shows it. Only files that are named have one.
+Where a page says ``moseg_core/builtin/flood.py`` in a code span, and there is such a file, the
+words become a link to a page that shows it. Only files that are named have one.
 """
 
 from __future__ import annotations

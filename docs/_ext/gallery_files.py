@@ -2,8 +2,8 @@
 
 An example is told a folder on its command line and writes files there. After each block of code
 sphinx-gallery asks its scrapers for what there is to see (its documentation, "Write a custom image
-scraper"). Pictures are copied to where it wants them; a page ``x.html`` is copied beside the site and
-embedded as a frame.
+scraper"). Pictures are copied to where it wants them; a page ``x.html`` is copied beside the site
+and embedded as a frame.
 """
 
 from __future__ import annotations

@@ -3,8 +3,8 @@
 Pages link to files beside the folder as a reader of the checkout needs it,
 ``[the bundle's page](../plugins/moseg_recipes_shapes/README.md)``. Some such files are pages of the
 site too (:data:`COPIES`), copied to ``docs/generated`` with their links made to fit. Others have a
-page of their own here under another name (:data:`INSTEAD`). Any other link out of the folder is left
-alone, so that MyST complains of it.
+page of their own here under another name (:data:`INSTEAD`). Any other link out of the folder is
+left alone, so that MyST complains of it.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The page of commands is what the parser says, and commands in the documentation are understood."""
+"""The page of commands is what the parser says; commands on other pages are understood by it."""
 
 from __future__ import annotations
 
