@@ -1,10 +1,10 @@
 """The site: Sphinx reads ``docs/*.md``, runs ``examples/`` and asks the code for the API.
 
 ``make docs`` builds it into ``build/docs``; every warning is an error. Pages are plain Markdown
-that also reads well without Sphinx, so what the site alone needs is added here: the order of the pages
-(:data:`ORDER`), and where links lead that leave the folder (``_ext/outside.py``). Three small
-extensions in ``_ext`` do the rest: pages of the API made of the public face, pictures and pages of
-the examples collected for the gallery, and files of code that prose names shown with the site.
+that also reads well without Sphinx, so what the site alone needs is added here: the order of the
+pages (:data:`ORDER`), and where links lead that leave the folder (``_ext/outside.py``). Other
+extensions in ``_ext`` make pages of the API from the public face, collect pictures and pages of the
+examples for the gallery, and show files of code that prose names.
 """
 
 from __future__ import annotations

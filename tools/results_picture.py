@@ -1,11 +1,11 @@
-"""Draw ``docs/images/results.png``: samples as moseg cuts them, in a row.
+"""Draw rows of results: ``docs/images/results.png`` and ``docs/images/mend.png``.
 
-Run it from anywhere::
+Run it from anywhere; it takes some minutes::
 
     python tools/results_picture.py
 
-Each shape is searched with the recipe that is named in :data:`RECIPES`, and seed 0; whoever reads
-the picture can make the same result.
+Each shape is searched as it says here, with seed 0; whoever reads the pictures can make the same
+results. The second row is that of the page ``docs/how_to/mend.md``.
 """
 
 from __future__ import annotations
@@ -13,51 +13,83 @@ from __future__ import annotations
 import io
 from pathlib import Path
 
+import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 import moseg_core as moseg
 from moseg_core.view.palette import part_colors
 from moseg_core.view.picture import draw_two_sides
 
-DESTINATION = Path(__file__).resolve().parent.parent / "docs" / "images" / "results.png"
+IMAGES = Path(__file__).resolve().parent.parent / "docs" / "images"
 SIZE = (840, 420)
 COLOURS = 128
 
 #: For each sample the recipe that it is cut by.
 RECIPES = {"octopus": "octopus", "horse": "fourleg", "hammer": "hammer", "dove": "bird"}
 
+#: A bulldog in words that get better; and how it is searched.
+LABELS = ["body", "head", "leg1", "leg2", "leg3", "leg4"]
+_SIZES = (
+    "is(body, area=0.35+-0.1) + is(head, area=0.3+-0.1) + is(leg*, area=0.09+-0.03)"
+    " + touching(body, head, leg*) + apart(head, leg*)"
+)
+_CREASES = f"{_SIZES} + 15*separate_parts + 30*even_parts"
+_BELOW = _CREASES + "".join(f' + 3*above(body, leg{k}, up="y", margin=0.3)' for k in range(1, 5))
+MENDED = {
+    "sizes": (_SIZES, "kmeans"),
+    "and creases": (_CREASES, "sized_evolution"),
+    "and below the body": (_BELOW, "sized_evolution"),
+}
 
-def picture(sample: str) -> Image.Image:
-    """One side of a sample, over its name."""
 
-    def caption(draw: ImageDraw.ImageDraw, /, *, size: tuple[int, int], pad: int) -> int:
+def tile(sample: str, labels: np.ndarray, count: int, caption: str) -> Image.Image:
+    """One side of a labelled sample, over a caption."""
+
+    def legend(draw: ImageDraw.ImageDraw, /, *, size: tuple[int, int], pad: int) -> int:
         font = ImageFont.load_default(size=22)
-        draw.text((size[0] / 4, size[1] - pad), sample, fill="#444", font=font, anchor="ms")
+        draw.text((size[0] / 4, size[1] - pad), caption, fill="#444", font=font, anchor="ms")
         return size[1] - 4 * pad
 
-    shape = moseg.load(moseg.sample_path(sample))
-    result = moseg.segment_variants(
-        shape, RECIPES[sample], seed=0, workers=moseg.available_workers()
-    )
+    geometry = moseg.load(moseg.sample_path(sample)).geometry
     drawn = draw_two_sides(
-        shape.geometry,
-        result.labels,
-        result.labels,
-        part_colors(len(result.problem.labels)),
-        legend=caption,
-        title="",
-        size=SIZE,
+        geometry, labels, labels, part_colors(count), legend=legend, title="", size=SIZE
     )
     return Image.open(io.BytesIO(drawn)).convert("RGB").crop((0, 0, SIZE[0] // 2, SIZE[1]))
 
 
-def main() -> None:
-    """Write the picture."""
-    tiles = [picture(sample) for sample in RECIPES]
+def write_row(name: str, tiles: list[Image.Image]) -> None:
+    """Write tiles beside each other."""
     row = Image.new("RGB", (sum(tile.width for tile in tiles), SIZE[1]), "white")
-    for place, tile in enumerate(tiles):
-        row.paste(tile, (place * tile.width, 0))
-    row.quantize(COLOURS).save(DESTINATION, optimize=True)
+    for place, one in enumerate(tiles):
+        row.paste(one, (place * one.width, 0))
+    row.quantize(COLOURS).save(IMAGES / name, optimize=True)
+
+
+def by_recipe(sample: str) -> Image.Image:
+    """A sample, cut by its recipe."""
+    shape = moseg.load(moseg.sample_path(sample))
+    workers = moseg.available_workers()
+    result = moseg.segment_variants(shape, RECIPES[sample], seed=0, workers=workers)
+    return tile(sample, result.labels, len(result.problem.labels), sample)
+
+
+def in_words(caption: str) -> Image.Image:
+    """The bulldog, cut by some of the words."""
+    words, seeder = MENDED[caption]
+    result = moseg.segment(
+        moseg.load(moseg.sample_path("bulldog")),
+        moseg.Problem(LABELS, words),
+        seeder=seeder,
+        seed=0,
+        workers=moseg.available_workers(),
+    )
+    return tile("bulldog", result.labels, len(LABELS), caption)
+
+
+def main() -> None:
+    """Write both rows."""
+    write_row("results.png", [by_recipe(sample) for sample in RECIPES])
+    write_row("mend.png", [in_words(caption) for caption in MENDED])
 
 
 if __name__ == "__main__":

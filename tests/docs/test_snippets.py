@@ -2,8 +2,8 @@
 
 A page is run from top to bottom in one namespace, in a folder with files of the names that pages
 use: shapes of some hundred faces, so that a search takes a moment. What cannot be run says so to
-sybil in a comment on the page, ``<!--- skip: next "why" -->``; what a reader has from the text before
-stands in one that is run, ``<!--- invisible-code-block: python``.
+sybil in a comment on the page, ``<!--- skip: next "why" -->``; what a reader has from the text
+before stands in one that is run, ``<!--- invisible-code-block: python``.
 """
 
 from __future__ import annotations
