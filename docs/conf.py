@@ -9,6 +9,7 @@ examples for the gallery, and show files of code that prose names.
 
 from __future__ import annotations
 
+import re
 import sys
 from pathlib import Path
 
@@ -39,12 +40,17 @@ extensions = [
     "outside",
 ]
 exclude_patterns = ["authors/tutorial/*"]
+templates_path = ["_templates"]
 highlight_language = "none"  # most indented blocks are shell, formulas or files
 nitpicky = False
 
-#: For each page that others stand under, those pages in their order. A page may be told a title.
+#: For each page that others stand under, those pages in their order. A page whose own title is too
+#: long for a menu has another one there.
 ORDER = {
-    "index": ["start", "gallery/index", "how_to", "reference", "authors/index", "paper"],
+    "index": [
+        *("start", "gallery/index", "how_to", "reference"),
+        *("For authors <authors/index>", "The paper <paper>"),
+    ],
     "how_to": [
         *("how_to/words", "how_to/mend"),
         *("how_to/modeller", "how_to/biologist", "how_to/roboticist", "how_to/doctor"),
@@ -53,7 +59,7 @@ ORDER = {
     ],
     "reference": [
         *("language", "objectives", "components", "cli", "generated/index", "formats", "metrics"),
-        *("benchmark", "speed", "generated/recipes_shapes", "generated/changes"),
+        *("benchmark", "speed", "Learned recipes <generated/recipes_shapes>", "generated/changes"),
     ],
     "authors/index": [
         *("authors/tutorial", "plugins"),
@@ -111,7 +117,7 @@ html_theme_options = {
 def add_pages_below(app: Sphinx, page: str, source: list[str]) -> None:
     """Append the list of the pages that stand under a page, unseen, to its text."""
     if page in ORDER:
-        pages = "\n".join(f"/{below}" for below in ORDER[page])
+        pages = "\n".join(re.sub(r"(?:(?<=<)|^)(?=[\w/]+>?$)", "/", below) for below in ORDER[page])
         source[0] += f"\n\n```{{toctree}}\n:hidden:\n\n{pages}\n```\n"
 
 

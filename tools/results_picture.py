@@ -1,11 +1,12 @@
-"""Draw rows of results: ``docs/images/results.png`` and ``docs/images/mend.png``.
+"""Draw results for the pages: ``results.png``, ``mend.png`` and ``words.png`` in ``docs/images``.
 
 Run it from anywhere; it takes some minutes::
 
     python tools/results_picture.py
 
 Each shape is searched as it says here, with seed 0; whoever reads the pictures can make the same
-results. The second row is that of the page ``docs/how_to/mend.md``.
+results. The second row is that of the page ``docs/how_to/mend.md``, the third picture that of
+``docs/how_to/words.md``.
 """
 
 from __future__ import annotations
@@ -40,6 +41,13 @@ MENDED = {
     "and creases": (_CREASES, "sized_evolution"),
     "and below the body": (_BELOW, "sized_evolution"),
 }
+
+
+#: A dove in words.
+DOVE = (
+    "is(body, area=0.4+-0.15) + is(tail, area=0.1+-0.05) + is(wing*, area=0.25+-0.07)"
+    " + flat(wing*) + touching(body, tail, wing*) + 15*separate_parts + 30*even_parts"
+)
 
 
 def tile(sample: str, labels: np.ndarray, count: int, caption: str) -> Image.Image:
@@ -86,10 +94,20 @@ def in_words(caption: str) -> Image.Image:
     return tile("bulldog", result.labels, len(LABELS), caption)
 
 
+def write_words() -> None:
+    """Write the dove, cut by its words, from both sides."""
+    shape = moseg.load(moseg.sample_path("dove"))
+    problem = moseg.Problem(["body", "tail", "wing1", "wing2"], DOVE)
+    result = moseg.segment(shape, problem, seed=0, workers=moseg.available_workers())
+    drawn = moseg.render_picture(shape.geometry, result.labels, problem.labels, size=(900, 400))
+    Image.open(io.BytesIO(drawn)).quantize(COLOURS).save(IMAGES / "words.png", optimize=True)
+
+
 def main() -> None:
-    """Write both rows."""
+    """Write all pictures."""
     write_row("results.png", [by_recipe(sample) for sample in RECIPES])
     write_row("mend.png", [in_words(caption) for caption in MENDED])
+    write_words()
 
 
 if __name__ == "__main__":
