@@ -9,7 +9,6 @@ examples for the gallery, and show files of code that prose names.
 
 from __future__ import annotations
 
-import re
 import sys
 from pathlib import Path
 
@@ -42,34 +41,40 @@ extensions = [
 exclude_patterns = ["authors/tutorial/*"]
 templates_path = ["_templates"]
 highlight_language = "none"  # most indented blocks are shell, formulas or files
-nitpicky = False
+smartquotes = False  # options begin with two hyphens
 
 #: For each page that others stand under, those pages in their order. A page whose own title is too
 #: long for a menu has another one there.
 ORDER = {
     "index": [
-        *("start", "gallery/index", "how_to", "reference"),
-        *("For authors <authors/index>", "The paper <paper>"),
+        *("/start", "/gallery/index", "/how_to", "/reference"),
+        *("For authors </authors/index>", "The paper </paper>"),
     ],
     "how_to": [
-        *("how_to/words", "how_to/mend"),
-        *("how_to/modeller", "how_to/biologist", "how_to/roboticist", "how_to/doctor"),
-        *("learning", "steering", "symmetry", "embedding", "surfaces"),
-        *("hierarchy", "variants", "clipping"),
+        *("/how_to/words", "/how_to/mend"),
+        *("/how_to/modeller", "/how_to/biologist", "/how_to/roboticist", "/how_to/doctor"),
+        *("/learning", "/steering", "/symmetry", "/embedding", "/surfaces"),
+        *("/hierarchy", "/variants", "/clipping"),
     ],
     "reference": [
-        *("language", "objectives", "components", "cli", "generated/index", "formats", "metrics"),
-        *("benchmark", "speed", "Learned recipes <generated/recipes_shapes>", "generated/changes"),
+        *("/language", "/objectives", "/components", "/cli", "/generated/index"),
+        *("/formats", "/metrics", "/benchmark", "/speed"),
+        *("Learned recipes </generated/recipes_shapes>", "/generated/changes"),
     ],
     "authors/index": [
-        *("authors/tutorial", "plugins"),
-        *("authors/objective", "authors/field", "authors/seeder", "authors/labeler"),
-        *("authors/optimizer", "authors/parameterization", "authors/refiner"),
-        *("authors/constraint", "authors/embedding", "authors/files"),
-        *("authors/publishing", "authors/contract", "authors/checks"),
-        *("architecture", "generated/contributing"),
+        *("/authors/tutorial", "/plugins"),
+        *("/authors/objective", "/authors/field", "/authors/seeder", "/authors/labeler"),
+        *("/authors/optimizer", "/authors/parameterization", "/authors/refiner"),
+        *("/authors/constraint", "/authors/embedding", "/authors/files"),
+        *("/authors/publishing", "/authors/contract", "/authors/checks"),
+        *("/architecture", "/generated/contributing"),
     ],
 }
+_LISTED = {line.rpartition("</")[2].strip("/>") for lines in ORDER.values() for line in lines}
+#: Pages that are not in the list stand at the end of the reference.
+ORDER["reference"] += [
+    f"/{page.stem}" for page in sorted(DOCS.glob("*.md")) if page.stem not in _LISTED | {"index"}
+]
 
 myst_heading_anchors = 4
 myst_enable_extensions = ["colon_fence"]
@@ -117,7 +122,7 @@ html_theme_options = {
 def add_pages_below(app: Sphinx, page: str, source: list[str]) -> None:
     """Append the list of the pages that stand under a page, unseen, to its text."""
     if page in ORDER:
-        pages = "\n".join(re.sub(r"(?:(?<=<)|^)(?=[\w/]+>?$)", "/", below) for below in ORDER[page])
+        pages = "\n".join(ORDER[page])
         source[0] += f"\n\n```{{toctree}}\n:hidden:\n\n{pages}\n```\n"
 
 

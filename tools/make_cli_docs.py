@@ -1,7 +1,7 @@
 """Make ``docs/cli.md``: every command with its options, as ``moseg COMMAND --help`` explains them.
 
-From the parser itself, by cyclopts' own generator of documentation; the commands of moseg's bundles
-come after those of the core. A test compares::
+From the parser itself, by cyclopts' own generator of documentation, with the commands of moseg's
+bundles, in the order of ``moseg --help``. A test compares::
 
     python tools/make_cli_docs.py
 """
@@ -35,13 +35,14 @@ shape that cannot be used, 130 interrupted, 143 told to end.
 
 def commands() -> App:
     """All commands, without a change to the parser that the process itself uses."""
-    whole = App(name="moseg", help_flags=[], version_flags=[])
-    for name in ENTRIES:
-        if not name.startswith("-"):
-            whole.command(app[name], name=name)
+    found = {name: app[name] for name in app if not name.startswith("-")}
     for component in registry().components("command"):
         if component.bundle in BUNDLES:
-            whole.command(component.load(), name=component.spec.name)
+            found.setdefault(component.spec.name, component.load())
+    order = [*ENTRIES, *found]
+    whole = App(name="moseg", help_flags=[], version_flags=[])
+    for name in sorted(found, key=order.index):
+        whole.command(found[name], name=name)
     return whole
 
 
