@@ -53,7 +53,7 @@ ORDER = {
     "how_to": [
         *("/how_to/words", "/how_to/mend"),
         *("/how_to/modeller", "/how_to/biologist", "/how_to/roboticist", "/how_to/doctor"),
-        *("/learning", "/steering", "/symmetry", "/embedding", "/surfaces"),
+        *("/learning", "/steering", "/tuning", "/symmetry", "/embedding", "/surfaces"),
         *("/hierarchy", "/variants", "/clipping"),
     ],
     "reference": [

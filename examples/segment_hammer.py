@@ -10,7 +10,8 @@ parts that make it least; ``result.evaluation`` says what each of the three stil
 
     python examples/segment_hammer.py FOLDER
 
-writes ``hammer.png`` (a picture), ``hammer.glb`` (a node for each part) and ``hammer.json``.
+writes ``hammer.png`` (a picture), ``hammer.html`` (a page to turn it in), ``hammer.glb`` (a node
+for each part) and ``hammer.json``.
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ def main(folder: Path) -> None:
         print(f"{term.weighted:9.6f}  {term.weight:g} * {term.text}")
     for label, part in result.parts.items():
         print(f"{label}: {part.area / shape.area:.0%} of the surface")
-    for suffix in ("png", "glb", "json"):
+    for suffix in ("png", "html", "glb", "json"):
         moseg.save(result, folder / f"hammer.{suffix}")
 
 

@@ -11,7 +11,7 @@ numbers to find instead of 12, and cannot give one wing another shape than the o
 
     python examples/symmetric_animal.py FOLDER
 
-writes ``dove.png``.
+writes ``dove.png`` and ``dove.html``, a page to turn it in.
 """
 
 from __future__ import annotations
@@ -36,7 +36,8 @@ def main(folder: Path) -> None:
     print(f"{searched} numbers were searched for, which give the {described} of all centres")
     for label, part in result.parts.items():
         print(f"{label}: {part.area / shape.area:.1%} of the surface")
-    moseg.save(result, folder / "dove.png")
+    for suffix in ("png", "html"):
+        moseg.save(result, folder / f"dove.{suffix}")
 
 
 if __name__ == "__main__":

@@ -78,7 +78,7 @@ def test_an_example_does_what_it_says(name, tmp_path):
 
     essay = script.read_text(encoding="utf-8").split('"""')[1]
     assert f"python examples/{name}.py FOLDER" in essay
-    written = re.findall(r"``([\w.]+\.(?:png|svg|glb|ply|json))``", essay)
+    written = re.findall(r"``([\w.]+\.(?:png|svg|html|glb|ply|json))``", essay)
     assert sorted(written) == sorted(path.name for path in folder.iterdir())
     assert not list(elsewhere.iterdir())
     for path in folder.glob("*.png"):
