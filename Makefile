@@ -23,7 +23,7 @@ demo: $(STAMP)
 	@mkdir -p demo
 	$(BIN)/moseg sample hammer -o demo/sample.ply --labels demo/truth.txt
 	$(BIN)/moseg segment demo/sample.ply --recipe hammer \
-		-o demo/hammer.glb -o demo/hammer.ply -o demo/hammer.json -o demo/hammer.png
+		-o demo/hammer.glb -o demo/hammer.ply -o demo/hammer.json -o demo/hammer.png -o demo/hammer.html
 	@echo
 	$(BIN)/moseg evaluate demo/sample.ply demo/hammer.json demo/truth.txt
 
