@@ -38,8 +38,8 @@ Outputs = Annotated[
     Parameter(
         name=["--out", "-o"],
         negative=(),
-        help="File to write: json, html, glb, ply, png, seg, npz, npy, svg by suffix. With {part}"
-        " in its name a file for each part: stl, obj, ply or glb. Repeatable.",
+        help="File to write: json, html, glb, obj, ply, vtu, 3mf, png, seg, npz, npy, svg, by"
+        " suffix. With {part} in its name a file for each part: stl, obj, ply or glb. Repeatable.",
     ),
 ]
 _NO_PROBLEM = ProblemFlags()
@@ -85,7 +85,7 @@ def segment(
         A mesh (OFF, PLY, OBJ, STL, GLB, GLTF), point cloud (PLY, XYZ, PTS, ASC, TXT, CSV, NPY) or
         voxel grid (NPY, BINVOX).
     clip
-        Cut the faces at boundaries, so that these are smooth, in .ply, .glb and .png.
+        Cut the faces at boundaries, so that these are smooth, in meshes and pictures.
     profile
         Print at the end, on stderr, where the time went: by stage, by term and component, by
         bundle. Everything is then done in one process.
