@@ -46,15 +46,15 @@ def test_without_a_file_there_is_a_table_to_read_or_json(moseg, segmented):
     assert [row["part"] for row in rows] == ["handle", "head"]
 
 
-def test_labelled_shapes_in_all_forms_that_learn_takes(moseg, mallet, tmp_path):
-    shape = moseg_core.load(mallet)
-    handle = shape.points[:, 0] < 1.8
+def test_labelled_shapes_in_all_forms_that_learn_takes(moseg, open_box, tmp_path):
+    shape = moseg_core.load(open_box)
+    handle = shape.points[:, 0] < 0.1
     labels = tmp_path / "labels.txt"
     labels.write_text("\n".join(np.where(handle, "han[dle", "=head").tolist()) + "\n")
     numbers = tmp_path / "labels.seg"
     numbers.write_text("\n".join("-1" if h else "1" for h in handle.tolist()) + "\n")
     out = tmp_path / "x.tsv"
-    run = moseg("measure", f"{mallet}={labels}", f"{mallet}={numbers}", "-o", out)
+    run = moseg("measure", f"{open_box}={labels}", f"{open_box}={numbers}", "-o", out)
     assert run.code == 0, run.err
     assert "unlabelled and left out" in run.err
     rows = list(csv.DictReader(io.StringIO(out.read_text()), delimiter="\t"))
@@ -64,7 +64,7 @@ def test_labelled_shapes_in_all_forms_that_learn_takes(moseg, mallet, tmp_path):
         ("1", str((~handle).sum())),
     ]
     assert "shape_cost" not in rows[0]
-    assert "han[dle" in moseg("measure", f"{mallet}={labels}").out
+    assert "han[dle" in moseg("measure", f"{open_box}={labels}").out
 
 
 def test_own_files_bear_their_labels(moseg, mallet, segmented, tmp_path):

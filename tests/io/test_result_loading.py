@@ -11,6 +11,7 @@ from moseg_core.io.read.examples import example
 from moseg_core.io.result_json import read_result, write_json
 from moseg_core.io.result_loading import find_shape, load_result
 from moseg_core.problem.problem import Problem
+from tests import shapes
 from tests.results import area, result_on
 
 
@@ -58,17 +59,16 @@ def test_a_result_comes_back_as_it_was(saved, tmp_path):
     assert (tmp_path / "again.json").read_bytes() == path.read_bytes()
 
 
-def test_a_result_of_a_search_comes_back_too(tmp_path):
-    hammer = moseg.load(moseg.sample_path("hammer"))
+def test_a_result_of_a_search_on_two_levels_comes_back_too(tmp_path):
+    rod = moseg.Shape.from_mesh(*shapes.bent_capsule(9, 8), name="rod")
     task = moseg.Hierarchy(
-        Problem(["handle", "head"], "narrow(handle)"),
-        {"head": Problem(["a", "b"], "narrow(a)")},
+        Problem(["one", "rest"], "narrow(one)"), {"rest": Problem(["a", "b"], "narrow(a)")}
     )
-    result = moseg.segment_hierarchy(hammer, task, restarts=1, seeder="kmeans", resolution=60)
+    result = moseg.segment_hierarchy(rod, task, restarts=1, seeder="kmeans")
     path = tmp_path / "h.json"
     moseg.save(result, path)
-    found = load_result(path)
-    assert found.problem.labels == ("handle", "head/a", "head/b")
+    found = load_result(path, rod)
+    assert found.problem.labels == ("one", "rest/a", "rest/b")
     assert found.table() == result.table()
     assert write_json(found) == path.read_bytes()
 
