@@ -269,6 +269,7 @@ def picture(objective: str) -> Image.Image:
             names,
             title=f"{objective}: {shown.value if shown.value > 1e-6 else 0:.2g}",
             size=SIZE,
+            up="y" if shape.name in SAMPLES else "z",
         )
         whole.paste(Image.open(io.BytesIO(drawn)).convert("RGB"), (place * SIZE[0], 0))
     return whole.quantize(COLOURS)

@@ -15,14 +15,12 @@ import io
 from pathlib import Path
 
 import numpy as np
-from PIL import Image, ImageDraw, ImageFont
+from PIL import Image
 
 import moseg_core as moseg
-from moseg_core.view.palette import part_colors
-from moseg_core.view.picture import draw_two_sides
 
 IMAGES = Path(__file__).resolve().parent.parent / "docs" / "images"
-SIZE = (840, 420)
+SIZE = (420, 420)
 COLOURS = 128
 
 #: For each sample the recipe that it is cut by.
@@ -51,18 +49,18 @@ DOVE = (
 
 
 def tile(sample: str, labels: np.ndarray, count: int, caption: str) -> Image.Image:
-    """One side of a labelled sample, over a caption."""
-
-    def legend(draw: ImageDraw.ImageDraw, /, *, size: tuple[int, int], pad: int) -> int:
-        font = ImageFont.load_default(size=22)
-        draw.text((size[0] / 4, size[1] - pad), caption, fill="#444", font=font, anchor="ms")
-        return size[1] - 4 * pad
-
-    geometry = moseg.load(moseg.sample_path(sample)).geometry
-    drawn = draw_two_sides(
-        geometry, labels, labels, part_colors(count), legend=legend, title="", size=SIZE
+    """One side of a labelled sample, under a caption."""
+    drawn = moseg.render_picture(
+        moseg.load(moseg.sample_path(sample)).geometry,
+        labels,
+        [str(k) for k in range(count)],
+        title=caption,
+        size=SIZE,
+        up="y",
+        views=["main"],
+        legend=False,
     )
-    return Image.open(io.BytesIO(drawn)).convert("RGB").crop((0, 0, SIZE[0] // 2, SIZE[1]))
+    return Image.open(io.BytesIO(drawn)).convert("RGB")
 
 
 def write_row(name: str, tiles: list[Image.Image]) -> None:
@@ -99,7 +97,9 @@ def write_words() -> None:
     shape = moseg.load(moseg.sample_path("dove"))
     problem = moseg.Problem(["body", "tail", "wing1", "wing2"], DOVE)
     result = moseg.segment(shape, problem, seed=0, workers=moseg.available_workers())
-    drawn = moseg.render_picture(shape.geometry, result.labels, problem.labels, size=(900, 400))
+    drawn = moseg.render_picture(
+        shape.geometry, result.labels, problem.labels, size=(900, 400), up="y"
+    )
     Image.open(io.BytesIO(drawn)).quantize(COLOURS).save(IMAGES / "words.png", optimize=True)
 
 
