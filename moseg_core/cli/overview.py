@@ -27,12 +27,12 @@ ENTRIES = {
     "learn": "Make a recipe of labelled examples.",
     "tune": "Find the words for a shape by looking: sliders for weights, centres moved by hand.",
     "view": "Turn a labelled shape in the browser: parts, areas, costs; a click places a centre.",
+    "measure": "Measure parts: a table of areas, volumes, lengths and more, of one shape or many.",
     "render": "Draw a segmented shape: a picture of any labels, from the sides that are asked for.",
     "explain": "Show what a segmentation costs, by term and part.",
     "evaluate": "Compare a labelling with true ones: the measures of the Princeton benchmark, and"
     " names.",
     "field": "Show a field: a number for each element of a shape, such as how thick it is there.",
-    "measure": "Measure parts: a table of areas, volumes, lengths and more, of one shape or many.",
     "plot": "Draw how a search went: cost per generation and per iteration, and what the starts"
     " came to.",
     "symmetry": "Show the planes and axes of symmetry of a shape.",

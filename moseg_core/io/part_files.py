@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -240,8 +240,9 @@ def part_meshes(
     geometry, labels = result.surface
     if close and isinstance(geometry, PointCloud):
         check_part_form(Path(), result.shape, form)
+    up = result.shape.up
     return tuple(
-        _part_mesh(geometry, np.flatnonzero(labels == number), label, form)
+        replace(_part_mesh(geometry, np.flatnonzero(labels == number), label, form), up=up)
         for number, label in enumerate(result.problem.labels)
     )
 

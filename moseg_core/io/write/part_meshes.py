@@ -23,6 +23,7 @@ from moseg_core.shape.cloud import PointCloud
 from moseg_core.shape.geometry import Geometry
 from moseg_core.shape.mesh import PolygonMesh
 from moseg_core.shape.shape import Shape
+from moseg_core.shape.up import Up
 from moseg_core.view.point_bodies import drawable
 
 
@@ -41,6 +42,9 @@ class PartMesh:
         What a user should know of it, to follow the label; empty for nothing.
     shortfall : float, model units
         Of a hull of few vertices how far the part sticks out of it.
+    up : {"x", "-x", "y", "-y", "z", "-z"} or None
+        The axis of the shape that points up, where it is known; formats that have one of their own
+        are turned to it.
     """
 
     label: str
@@ -48,6 +52,7 @@ class PartMesh:
     closed: bool = False
     note: str = ""
     shortfall: float = 0.0
+    up: Up | None = None
 
 
 def encode_part(part: PartMesh, suffix: str, color: npt.NDArray[np.uint8]) -> bytes:
@@ -131,7 +136,7 @@ def _ply(part: PartMesh, color: npt.NDArray[np.uint8]) -> bytes:
 def _glb(part: PartMesh, color: npt.NDArray[np.uint8]) -> bytes:
     assert part.geometry is not None  # asked for by the caller
     labels = np.zeros(part.geometry.n_elements, np.int64)
-    return encode_glb(drawable(part.geometry), labels, [part.label], color[None])
+    return encode_glb(drawable(part.geometry), labels, [part.label], color[None], up=part.up)
 
 
 _ENCODERS: Mapping[str, Callable[[PartMesh, npt.NDArray[np.uint8]], bytes]] = MappingProxyType(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -51,3 +52,10 @@ def test_points_of_a_cloud(suffix, as_file):
     data = encode_part(part, suffix, BLUE)
     found = load(as_file(f"dots{suffix}", data))
     assert found.n_elements == len(points) * (8 if suffix == ".glb" else 1)
+
+
+def test_what_points_up_points_up_in_a_part_too(as_file):
+    standing = encode_part(replace(box(), up="z"), ".glb", BLUE)
+    found = trimesh.load(io.BytesIO(standing), file_type="glb", force="mesh")
+    assert found.extents == pytest.approx([3, 1, 2])  # of 3, 2 and 1 the last was up
+    assert standing != encode_part(box(), ".glb", BLUE)
