@@ -172,6 +172,52 @@ def tune(
 
 
 @app.command
+def export(
+    result: Path,
+    labels: Path | None = None,
+    /,
+    *,
+    shapes: Path | None = None,
+    label_property: str | None = None,
+    reading: ShapeFlags = _SHAPE_AS_READ,
+    parts: PartFlags = _PARTS_AS_CUT,
+    out: Outputs = None,
+) -> None:
+    """Write other files of a saved result, also with labels corrected by hand; nothing is searched.
+
+    Examples
+    --------
+    moseg export hammer.json -o 'hulls/{part}.stl' --hulls -o hammer.urdf
+
+    moseg export horse.json corrected.txt -o horse.obj
+
+    Parameters
+    ----------
+    result
+        A result (.json). Its shape is looked for where it was, and beside the result.
+    labels
+        Labels to take in place of the result's, of the same names or numbers: .txt, .seg, .ply and
+        others (docs/formats.md). What has no label gets that of the nearest element that has one.
+    shapes
+        Folder in which the shape is looked for as well.
+    label_property
+        Name of the property, column or array that holds the labels, if not a usual one.
+    """
+    with importing(), waiting("starting"):
+        from moseg_core.cli.export import run_export
+
+    run_export(
+        result,
+        labels,
+        shapes=shapes,
+        label_property=label_property,
+        reading=reading,
+        part_flags=parts,
+        outputs=out or [],
+    )
+
+
+@app.command
 def explain(
     source: Path,
     /,

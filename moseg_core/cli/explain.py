@@ -9,10 +9,10 @@ import numpy as np
 
 from moseg_core.cli.console import message, print_json, print_terms
 from moseg_core.cli.flags import ProblemFlags, ShapeFlags
-from moseg_core.cli.reading import read_label_property, read_shape
+from moseg_core.cli.reading import matched_labels, read_label_property, read_shape
 from moseg_core.cli.request import read_statement, read_variants
 from moseg_core.components.segmentation import Segmentation
-from moseg_core.errors import UsageError, unknown
+from moseg_core.errors import UsageError
 from moseg_core.io import Labelling, read_labels, read_result
 from moseg_core.io.result_json import evaluation_document
 from moseg_core.problem.hierarchy import Hierarchy
@@ -20,7 +20,6 @@ from moseg_core.problem.label_sets import set_text
 from moseg_core.problem.statement import SEPARATOR, Statement
 from moseg_core.problem.variants import Variants
 from moseg_core.search.result import find_warnings
-from moseg_core.types import IntArray
 
 
 def run_explain(
@@ -58,7 +57,7 @@ def run_explain(
         problem = _fitting(variants, labelling)
         if labelling.names is not None:
             problem = problem.fitted(labelling.names)
-        matched = _match(labelling, problem.labels, parts)
+        matched = matched_labels(labelling, problem.labels, parts)
         evaluation = problem.evaluate(shape, matched)
         segmentation = Segmentation.from_labels(shape, matched, len(problem.labels))
         warnings = find_warnings(evaluation, segmentation, problem.labels, "converged")
@@ -111,17 +110,3 @@ def _fitting(variants: Variants, labelling: Labelling) -> Hierarchy:
         found = variants.fitting(name.partition(SEPARATOR)[0] for name in used)
     message(f"label set: {set_text(found.problem.labels, variants.statement.labels)}")
     return found
-
-
-def _match(labelling: Labelling, names: tuple[str, ...], path: Path) -> IntArray:
-    """Labels as indices into the problem's names: by name where the file has names."""
-    if labelling.names is None:
-        return labelling.labels
-    used = sorted(set(labelling.labels.tolist()))
-    for label in used:
-        if labelling.names[label] not in names:
-            raise UsageError(f"'{path}': {unknown('label', labelling.names[label], names)}")
-    index = np.zeros(len(labelling.names), np.int64)
-    for label in used:
-        index[label] = names.index(labelling.names[label])
-    return index[labelling.labels]

@@ -200,7 +200,7 @@ class PartFlags:
     hulls
         The convex hull of each part instead of its surface.
     hull_vertices
-        The greatest number of vertices of a hull, 4 or more.
+        The greatest number of vertices of a hull, 4 or more; also in .urdf and .mjcf.
     """
 
     close: Flag = False

@@ -11,7 +11,7 @@ from __future__ import annotations
 import sys
 import time
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -38,7 +38,7 @@ from moseg_core.problem.statement import Statement
 from moseg_core.problem.variants import Variants
 from moseg_core.search.number_of_parts import solve_parts
 from moseg_core.search.part_measures import measure_parts
-from moseg_core.search.part_table import PartTable, shown
+from moseg_core.search.part_table import Cell, PartTable, shown
 from moseg_core.search.result import Result
 from moseg_core.search.variants import check_variants, solve_variants
 from moseg_core.shape.shape import Shape
@@ -279,7 +279,20 @@ def _of_labels(
     rest = len(names)
     whole = Segmentation.from_labels(shape, np.where(labels < 0, rest, labels), rest + 1)
     table = measure_parts(whole, [*names, ""], source=registry())
-    return replace(table, cells=table.cells[:rest])
+    table = replace(table, cells=table.cells[:rest])
+    if several := [f"{row['part']} ({row['pieces']})" for row in table if _several(row)]:
+        message(
+            f"{path.name}: in several pieces, each measured as one part: {', '.join(several)}; for"
+            f" a row each give the pieces names of their own",
+            quiet=quiet,
+        )
+    return table
+
+
+def _several(row: Mapping[str, Cell]) -> bool:
+    """Whether a part is in several pieces."""
+    pieces = row["pieces"]
+    return isinstance(pieces, int) and pieces > 1
 
 
 def _check_kept(folder: Path, words: Sequence[str], finder: Finder | None) -> None:

@@ -28,6 +28,8 @@ ENTRIES = {
     "tune": "Find the words for a shape by looking: sliders for weights, centres moved by hand.",
     "view": "Turn a labelled shape in the browser: parts, areas, costs; a click places a centre.",
     "measure": "Measure parts: a table of areas, volumes, lengths and more, of one shape or many.",
+    "export": "Write other files of a saved result, also with labels corrected by hand; nothing is"
+    " searched.",
     "render": "Draw a segmented shape: a picture of any labels, from the sides that are asked for.",
     "explain": "Show what a segmentation costs, by term and part.",
     "evaluate": "Compare a labelling with true ones: the measures of the Princeton benchmark, and"

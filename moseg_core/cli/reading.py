@@ -5,12 +5,15 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
+import numpy as np
+
 from moseg_core.cli.flags import ShapeFlags
 from moseg_core.cli.waiting import waiting
-from moseg_core.errors import UsageError
-from moseg_core.io import load
+from moseg_core.errors import UsageError, unknown
+from moseg_core.io import Labelling, load
 from moseg_core.shape.mesh import PolygonMesh
 from moseg_core.shape.shape import Shape
+from moseg_core.types import IntArray
 
 
 def read_label_property(text: str | None) -> tuple[str, ...]:
@@ -80,3 +83,30 @@ def read_shape(path: Path, flags: ShapeFlags, *, quiet: bool = False) -> Shape:
             shape = shape.with_up(flags.up)
         shape = shape.with_adjacency(flags.adjacency)
         return shape if flags.volume is None else shape.with_volume(flags.volume)
+
+
+def matched_labels(labelling: Labelling, names: tuple[str, ...], path: Path) -> IntArray:
+    """Labels as indices into the names of a problem: by name where the file has names.
+
+    Parameters
+    ----------
+    labelling : Labelling
+    names : tuple of str
+    path : Path
+        Of the file, for messages.
+
+    Raises
+    ------
+    UsageError
+        A name that is none of the problem's.
+    """
+    if labelling.names is None:
+        return labelling.labels
+    used = sorted(set(labelling.labels.tolist()))
+    for label in used:
+        if labelling.names[label] not in names:
+            raise UsageError(f"'{path}': {unknown('label', labelling.names[label], names)}")
+    index = np.zeros(len(labelling.names), np.int64)
+    for label in used:
+        index[label] = names.index(labelling.names[label])
+    return index[labelling.labels]

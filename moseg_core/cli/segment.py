@@ -6,6 +6,7 @@ import shlex
 import sys
 import time
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -31,17 +32,17 @@ from moseg_core.cli.request import (
     read_statement,
     read_variants,
 )
+from moseg_core.cli.saving import raise_last, save_outputs
 from moseg_core.cli.waiting import waiting
 from moseg_core.clipping.clip import check_clippable
 from moseg_core.components.faults import describe
 from moseg_core.components.profile import timed
 from moseg_core.errors import REPORT, MosegError, PluginError, UsageError
-from moseg_core.io.files import check_any_output, check_form, files_of, write_files
+from moseg_core.io.files import check_any_output, check_form
 from moseg_core.io.part_files import (
     PartForm,
     check_part_form,
     is_for_parts,
-    part_files,
     part_paths,
 )
 from moseg_core.io.result_json import SavedResult, evaluation_document
@@ -59,9 +60,6 @@ from moseg_core.search.variants import check_variants, solve_variants, tried_set
 
 #: Seconds after which an objective that has not answered is named.
 PATIENCE = 10.0
-
-#: Files of one output that are listed by name when they were written; of more it is the number.
-_LISTED = 3
 
 
 def run_segment(
@@ -94,6 +92,9 @@ def run_segment(
     task = min(variants.tasks, key=lambda task: len(task.problem.labels))
     problem = task.problem
     options = read_search(search, steering)
+    if earlier is not None and problem_flags.recipe is None and options.parameterization is None:
+        # Its centres are those of its own parameterization.
+        options = replace(options, parameterization=earlier.search().parameterization)
     check_variants(variants, options)
     if clipped:
         for each in variants.tasks:
@@ -182,7 +183,7 @@ def run_segment(
             result = clip(result)
         message(_clipping_summary(result), quiet=quiet)
     with timed("stage", "write"):
-        written, failures, notes = _save(result, outputs, path, form)
+        written, failures, notes = save_outputs(result, outputs, path, form)
     for note in notes:
         message(note, quiet=quiet)
     free, whole = result.dimension
@@ -197,41 +198,9 @@ def run_segment(
     if not failures and failure is None and sys.stderr.isatty():
         message(next_step(path, outputs), quiet=quiet)
     failures += [] if failure is None else [failure]
-    for untold in failures[:-1]:
-        message(str(untold))
-    if failures:
-        raise failures[-1]
+    raise_last(failures)
     if result.reason == "interrupted":
         raise stop.ended()
-
-
-def _save(
-    result: Result, outputs: Sequence[Path], shape: Path, form: PartForm
-) -> tuple[list[str], list[MosegError], list[str]]:
-    """Write each output; what was written, what went wrong with the others, what is to be said.
-
-    A search may have taken hours: a writer that fails must not take the other files along.
-    """
-    written: list[str] = []
-    failures: list[MosegError] = []
-    notes: list[str] = []
-    for output in outputs:
-        try:
-            if is_for_parts(output):
-                files, said = part_files(result, output, form)
-                notes += [note for note in said if note not in notes]
-            else:
-                files = files_of(result, output)
-            for file in files:
-                if file.exists() and shape.exists() and file.samefile(shape):
-                    raise UsageError(f"'{output}' comes with '{file}', which is the shape itself")
-            write_files(files)
-        except MosegError as error:
-            failures.append(error)
-        else:
-            many = is_for_parts(output) or len(files) > _LISTED
-            written += [f"{output} ({len(files)} files)"] if many else map(str, files)
-    return written, failures, notes
 
 
 def _files_at(output: Path, variants: Variants) -> list[Path]:

@@ -9,11 +9,11 @@ from pathlib import Path
 from moseg_core.cli.console import message, progress_reporter
 from moseg_core.cli.flags import ProblemFlags, SearchFlags, ShapeFlags, SteeringFlags
 from moseg_core.cli.reading import read_shape
-from moseg_core.cli.request import read_search, read_statement
+from moseg_core.cli.request import read_search, read_variants
 from moseg_core.errors import UsageError
 from moseg_core.io.files import check_destination
 from moseg_core.problem.recipe import Recipe, load_recipe
-from moseg_core.problem.variants import Variants
+from moseg_core.problem.statement import Statement
 from moseg_core.search.variants import check_variants
 from moseg_core.search.workers import available_workers
 from moseg_core.tune.server import Destinations, TuneServer
@@ -42,13 +42,17 @@ def run_tune(
                 " one of them"
             )
         problem_flags = replace(problem_flags, recipe=recipe_name)
-    recipe = _recipe(problem_flags)
+    if problem_flags.recipe is not None:
+        _check_closed(load_recipe(problem_flags.recipe).statement)
+    variants = read_variants(problem_flags)
+    recipe = _recipe(problem_flags, variants.statement)
     options = read_search(search, SteeringFlags())
-    check_variants(Variants.of(recipe.statement), options)
+    check_variants(variants, options)
     shape = read_shape(path, reading)
     for note in shape.notes:
         message(f"{path.name}: {note}")
-    session = Session(shape, recipe, options)
+    sets = [task.problem.labels for task in variants.tasks]
+    session = Session(shape, recipe, options, sets=sets)
     with progress_reporter(quiet=False) as show:
         # Nothing is served yet, so that this search may have processes.
         session.search(
@@ -78,20 +82,17 @@ def _check_place(path: Path | None, suffix: str, option: str) -> None:
     check_destination(path)
 
 
-def _recipe(flags: ProblemFlags) -> Recipe:
-    """The recipe that is tuned: that of a name or file, with what options replace in it."""
-    statement = read_statement(flags)
+def _check_closed(statement: Statement) -> None:
+    """Refuse a recipe for any number of parts."""
     if statement.is_open:
         raise UsageError(
             "the recipe is for any number of parts, and a centre is moved of a part with a name;"
             " name the labels, with a recipe or --labels"
         )
+
+
+def _recipe(flags: ProblemFlags, statement: Statement) -> Recipe:
+    """The recipe that is tuned: that of a name or file, with what options replace in it."""
     if flags.recipe is None:
         return Recipe(name="tuned", statement=statement)
-    loaded = load_recipe(flags.recipe)
-    return Recipe(
-        name=loaded.name,
-        statement=statement,
-        description=loaded.description,
-        learned_from=loaded.learned_from,
-    )
+    return replace(load_recipe(flags.recipe), statement=statement)

@@ -14,6 +14,7 @@ import warnings
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from moseg_core.components.discovery.registry import Component, Registry, registry
 from moseg_core.components.parameters import takes
@@ -26,6 +27,9 @@ from moseg_core.shape.shape import Shape
 
 #: Characters that lead elsewhere on some system, or into no file: drives, streams, other slashes.
 _NOT_IN_NAMES = {"\\", ":", *map(chr, range(32))}
+
+HULL_VERTICES = "hull_vertices"
+"""The keyword by which a writer of hulls is told how many vertices these may have."""
 
 
 def load(path: str | os.PathLike[str], *, source: Registry | None = None) -> Shape:
@@ -115,7 +119,7 @@ def save(
     hulls : bool
         The convex hull of each part instead of its surface.
     hull_vertices : int, optional
-        The greatest number of vertices of a hull, 4 or more.
+        The greatest number of vertices of a hull, 4 or more; also of formats that hold hulls.
     source : Registry, optional
         Where to look for writers.
 
@@ -135,9 +139,9 @@ def save(
     """
     path = Path(path)
     form = PartForm(close=close, hulls=hulls, hull_vertices=hull_vertices)
-    check_form(form, [path])
+    check_form(form, [path], source=source)
     if not is_for_parts(path):
-        write_files(files_of(result, path, source=source))
+        write_files(files_of(result, path, hull_vertices=hull_vertices, source=source))
         return
     files, notes = part_files(result, path, form)
     write_files(files)
@@ -145,8 +149,8 @@ def save(
         warnings.warn(note, stacklevel=2)
 
 
-def check_form(form: PartForm, paths: Iterable[Path]) -> None:
-    """Refuse a form of parts where no path asks for parts.
+def check_form(form: PartForm, paths: Iterable[Path], *, source: Registry | None = None) -> None:
+    """Refuse a form of parts where no path asks for parts, or for hulls.
 
     Raises
     ------
@@ -158,9 +162,26 @@ def check_form(form: PartForm, paths: Iterable[Path]) -> None:
             f"'{form.asked}' is about files of single parts, and none is asked for: give a path"
             " such as 'parts/{part}.stl'"
         )
+    if form.hull_vertices is None or form.hulls:
+        return
+    for path in paths:
+        if not is_for_parts(path):
+            writer = check_output(path, source=source).load()
+            if takes(writer, HULL_VERTICES):
+                return
+    raise UsageError(
+        "a number of vertices of hulls is given, but no hulls are asked for: give hulls, and a path"
+        " such as 'parts/{part}.stl', or a format that holds hulls, such as '.urdf'"
+    )
 
 
-def files_of(result: Result, path: Path, *, source: Registry | None = None) -> dict[Path, bytes]:
+def files_of(
+    result: Result,
+    path: Path,
+    *,
+    hull_vertices: int | None = None,
+    source: Registry | None = None,
+) -> dict[Path, bytes]:
     """What the writer of a path makes of a result: each file with its contents, nothing written.
 
     Parameters
@@ -168,6 +189,8 @@ def files_of(result: Result, path: Path, *, source: Registry | None = None) -> d
     result : Result
     path : Path
         The file that was asked for; the others are in its folder, or in folders below.
+    hull_vertices : int, optional
+        The greatest number of vertices of a hull, for formats that hold hulls.
     source : Registry, optional
         Where to look for writers.
 
@@ -180,8 +203,11 @@ def files_of(result: Result, path: Path, *, source: Registry | None = None) -> d
     """
     component = check_output(path, source=source)
     write = component.load()
+    given: dict[str, Any] = {"name": path.name}
+    if hull_vertices is not None:
+        given[HULL_VERTICES] = hull_vertices
     with component.guard():
-        made = write(result, name=path.name) if takes(write, "name") else write(result)
+        made = write(result, **{key: v for key, v in given.items() if takes(write, key)})
     if isinstance(made, bytes):
         return {path: made}
     if not isinstance(made, Mapping):

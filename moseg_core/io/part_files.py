@@ -52,7 +52,7 @@ class PartForm:
     hulls : bool
         Its convex hull instead.
     hull_vertices : int, optional
-        The greatest number of vertices of a hull.
+        The greatest number of vertices of a hull, here and in formats that hold hulls.
 
     Raises
     ------
@@ -67,11 +67,7 @@ class PartForm:
     def __post_init__(self) -> None:
         if self.close and self.hulls:
             raise UsageError("parts are closed, or convex hulls, which are closed; ask for one")
-        if self.hull_vertices is None:
-            return
-        if not self.hulls:
-            raise UsageError("a number of vertices of hulls is given, but no hulls are asked for")
-        if self.hull_vertices < FEWEST:
+        if self.hull_vertices is not None and self.hull_vertices < FEWEST:
             raise UsageError(f"a hull has {FEWEST} vertices or more, not {self.hull_vertices}")
 
     @property

@@ -68,7 +68,7 @@ from pathlib import Path
 from typing import Any
 
 from moseg_core.components.discovery.registry import Registry, registry
-from moseg_core.errors import REPORT, PluginError, UsageError, unknown
+from moseg_core.errors import REPORT, PluginError, UsageError, nearest, unknown
 from moseg_core.problem.full_names import meant_by_bundle, statement_in_full
 from moseg_core.problem.hierarchy import Hierarchy, expand_parts
 from moseg_core.problem.problem import Problem
@@ -288,6 +288,12 @@ class _Library:
             path = self.folder / name
             try:
                 text = path.read_text(encoding="utf-8")
+            except FileNotFoundError as error:
+                near = nearest(path.name, [each.name for each in path.parent.glob("*.toml")])
+                instead = f"; did you mean '{path.with_name(near)}'?" if near else ""
+                raise UsageError(
+                    f"recipe '{name}' cannot be read: there is no such file{instead}"
+                ) from error
             except (OSError, UnicodeDecodeError) as error:
                 raise UsageError(f"recipe '{name}' cannot be read: {error}") from error
             return _parse(text, path.stem, self._within(str(path.resolve()), path.parent))

@@ -89,6 +89,7 @@ def measure_parts(
     """
     measures = bundle_measures(source)
     thick = any(component.id == THICKNESS for component in source.components("field"))
+    diagonal: Row = {f"{OF_SHAPE}diagonal": segmentation.shape.box_diagonal}
     terms, of_shape = ({}, {}) if evaluation is None else _term_columns(evaluation)
     rows = []
     for k, (name, part) in enumerate(zip(names, segmentation.parts, strict=True)):
@@ -102,7 +103,7 @@ def measure_parts(
         ):
             for column, value in more.items():
                 row.setdefault(column, value)  # what is known already is not measured otherwise
-        rows.append(row | terms.get(name, {}) | of_shape)
+        rows.append(row | terms.get(name, {}) | diagonal | of_shape)
     return PartTable.of_rows(rows)
 
 

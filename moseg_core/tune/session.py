@@ -104,6 +104,8 @@ class Session:
         As it was given; only the weights of its first level are tuned.
     options : SearchOptions
         How to search, but for the processes.
+    sets : sequence of sequence of str, optional
+        The label sets that may be chosen, of those that the recipe declares; all by default.
 
     Attributes
     ----------
@@ -131,8 +133,15 @@ class Session:
     '9*'
     """
 
-    def __init__(self, shape: Shape, recipe: Recipe, options: SearchOptions) -> None:
-        self.shape, self._recipe, self._options = shape, recipe, options
+    def __init__(
+        self,
+        shape: Shape,
+        recipe: Recipe,
+        options: SearchOptions,
+        *,
+        sets: Sequence[Sequence[str]] | None = None,
+    ) -> None:
+        self.shape, self._recipe, self._options, self._sets = shape, recipe, options, sets
         self.terms: tuple[Term, ...] = parse(recipe.statement.minimize).terms
         self.weights = tuple(term.weight for term in self.terms)
         self.results: list[Result] = []
@@ -182,7 +191,7 @@ class Session:
         ShapeError, PluginError
             As for :func:`moseg_core.segment`. The present result stays what it was.
         """
-        variants = Variants.of(self.recipe(wish.weights).statement)
+        variants = Variants.of(self.recipe(wish.weights).statement, self._sets)
         options = replace(self._options, workers=workers)
         if wish.anew or not self.results:
             result = solve_variants(self.shape, variants, options, report=report)

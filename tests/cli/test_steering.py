@@ -149,6 +149,10 @@ def test_a_label_may_have_several_centres(moseg, mallet, tmp_path):
     assert [len(part.get("more", [])) for part in read(first)["parts"]] == [0, 1]
     assert moseg("segment", mallet, "--start", first, *several, "-o", second).code == 0
     assert read(second)["cost"]["value"] <= read(first)["cost"]["value"]
-    run = moseg("segment", mallet, "--start", first)
+    # A start has its own parameterization, unless another is asked for.
+    third = tmp_path / "third.json"
+    assert moseg("segment", mallet, "--start", first, "-o", third).code == 0
+    assert read(third)["cost"] == read(second)["cost"]
+    run = moseg("segment", mallet, "--start", first, "--parameterization", "voronoi")
     assert run.code == 2
     assert """--parameterization 'voronoi(centers="head=2")'""" in run.err

@@ -198,8 +198,9 @@ def test_a_path_is_checked_before_the_search(tmp_path):
 def test_forms_that_make_no_sense(halves, tmp_path):
     with pytest.raises(UsageError, match="ask for one"):
         PartForm(close=True, hulls=True)
-    with pytest.raises(UsageError, match="no hulls are asked for"):
-        PartForm(hull_vertices=8)
+    for name in ("{part}.stl", "x.obj"):
+        with pytest.raises(UsageError, match="no hulls are asked for"):
+            save(halves, tmp_path / name, hull_vertices=8)
     with pytest.raises(UsageError, match="4 vertices or more, not 3"):
         PartForm(hulls=True, hull_vertices=3)
     with pytest.raises(UsageError, match="'close' is about files of single parts"):

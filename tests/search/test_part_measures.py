@@ -104,10 +104,14 @@ def test_terms_about_a_part_stand_in_its_row_and_others_in_all(box):
     assert (low["term_area_2"], high["term_area_2"]) == (None, 90.0)
     for row in (low, high):
         assert row["shape_cost"] == evaluation.cost.value
+        assert row["shape_diagonal"] == pytest.approx(
+            np.linalg.norm(np.ptp(box.geometry.vertices, axis=0))
+        )
         assert row["shape_both_low_high"] == row["shape_both_high_l"] == pytest.approx(box.area)
-    assert list(low)[-5:] == [
+    assert list(low)[-6:] == [
         "term_area",
         "term_area_2",
+        "shape_diagonal",
         "shape_cost",
         "shape_both_low_high",
         "shape_both_high_l",

@@ -5,9 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+import moseg_core as moseg
 from moseg_core.components.protocols import never_stop
 from moseg_core.errors import UsageError
-from moseg_core.tune.session import Wish
+from moseg_core.problem.recipe import Recipe
+from moseg_core.tune.session import Session, Wish
+from tests.shapes import tee
 
 
 @pytest.mark.parametrize(
@@ -82,6 +85,18 @@ def test_what_cannot_be_moved_leaves_the_result_as_it_is(session, moved, why):
         session.search(Wish(weights=(9.0, 9.0, 9.0), moved=moved), never_stop)
     assert session.result is before
     assert session.weights == (1.0, 2.0, 1.0)
+
+
+def test_only_label_sets_that_may_be_chosen_are_tried():
+    statement = moseg.Statement(
+        labels=("stem", "bar{1..2}"), minimize="narrow(stem) + compact(bar*)"
+    )
+    options = moseg.SearchOptions(restarts=1, optimizer="pattern_search(max_evaluations=10)")
+    shape = moseg.Shape.from_mesh(*tee(), name="tee")
+    recipe = Recipe(name="tee", statement=statement)
+    session = Session(shape, recipe, options, sets=[("stem", "bar1", "bar2")])
+    result = session.search(Wish(weights=session.weights), never_stop)
+    assert result.problem.labels == ("stem", "bar1", "bar2")
 
 
 def test_a_step_can_be_taken_back(session):

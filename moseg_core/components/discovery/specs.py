@@ -299,7 +299,8 @@ class WriterSpec(Spec):
 
     A format of several files returns a mapping of names to bytes instead. The names are those of
     files beside, or in folders below, the one that was asked for; that one is among them. A
-    writer that takes ``name`` by keyword is told what it is called: ``"horse.obj"``.
+    writer that takes ``name`` by keyword is told what it is called: ``"horse.obj"``. One that takes
+    ``hull_vertices`` by keyword is told how many vertices a hull may have, where a user says so.
 
     Parameters
     ----------

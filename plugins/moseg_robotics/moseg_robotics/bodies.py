@@ -92,7 +92,9 @@ class Body:
         return f"mass {weighed}; hull of {len(self.hull.vertices)} vertices{missed}"
 
 
-def bodies_of(result: Result, *, root: str) -> tuple[str, list[Body]]:
+def bodies_of(
+    result: Result, *, root: str, hull_vertices: int = MOST_VERTICES
+) -> tuple[str, list[Body]]:
     """The parts that have elements, as rigid bodies.
 
     Parameters
@@ -100,6 +102,8 @@ def bodies_of(result: Result, *, root: str) -> tuple[str, list[Body]]:
     result : Result
     root : str
         What to call the whole.
+    hull_vertices : int
+        The greatest number of vertices of a hull.
 
     Returns
     -------
@@ -115,7 +119,7 @@ def bodies_of(result: Result, *, root: str) -> tuple[str, list[Body]]:
     """
     labels = result.problem.labels
     names = safe_file_names([*labels, root, *(f"{label}_hull" for label in labels)])
-    hulls = part_meshes(result, hulls=True, hull_vertices=MOST_VERTICES)
+    hulls = part_meshes(result, hulls=True, hull_vertices=hull_vertices)
     surfaces, solids = hulls, hulls
     if result.shape.has_surface:
         surfaces, solids = part_meshes(result), part_meshes(result, close=True)

@@ -12,10 +12,12 @@ from __future__ import annotations
 from xml.etree import ElementTree as Xml
 
 from moseg_core import Result
-from moseg_robotics.bodies import Body, bodies_of, mesh_files, number, turn_upright
+from moseg_robotics.bodies import MOST_VERTICES, Body, bodies_of, mesh_files, number, turn_upright
 
 
-def write_mjcf(result: Result, *, name: str) -> dict[str, bytes]:
+def write_mjcf(
+    result: Result, *, name: str, hull_vertices: int = MOST_VERTICES
+) -> dict[str, bytes]:
     """A result as an MJCF file, with its meshes in a folder beside it.
 
     Parameters
@@ -23,6 +25,8 @@ def write_mjcf(result: Result, *, name: str) -> dict[str, bytes]:
     result : Result
     name : str
         Of the file, with its suffix.
+    hull_vertices : int
+        The greatest number of vertices of a hull, 4 or more.
 
     Returns
     -------
@@ -35,7 +39,7 @@ def write_mjcf(result: Result, *, name: str) -> dict[str, bytes]:
     """
     stem = name.rpartition(".")[0]
     folder = f"{stem}_meshes"
-    root, bodies = bodies_of(result, root=stem)
+    root, bodies = bodies_of(result, root=stem, hull_vertices=hull_vertices)
     model = Xml.Element("mujoco", model=root)
     model.append(
         Xml.Comment(" A body for each part. Lengths are the shape's; masses are for density 1. ")

@@ -13,10 +13,12 @@ from xml.etree import ElementTree as Xml
 from trimesh.transformations import euler_matrix
 
 from moseg_core import Result
-from moseg_robotics.bodies import Body, bodies_of, mesh_files, number, turn_upright
+from moseg_robotics.bodies import MOST_VERTICES, Body, bodies_of, mesh_files, number, turn_upright
 
 
-def write_urdf(result: Result, *, name: str) -> dict[str, bytes]:
+def write_urdf(
+    result: Result, *, name: str, hull_vertices: int = MOST_VERTICES
+) -> dict[str, bytes]:
     """A result as a URDF file, with its meshes in a folder beside it.
 
     Parameters
@@ -24,6 +26,8 @@ def write_urdf(result: Result, *, name: str) -> dict[str, bytes]:
     result : Result
     name : str
         Of the file, with its suffix.
+    hull_vertices : int
+        The greatest number of vertices of a hull, 4 or more.
 
     Returns
     -------
@@ -36,7 +40,7 @@ def write_urdf(result: Result, *, name: str) -> dict[str, bytes]:
     """
     stem = name.rpartition(".")[0]
     folder = f"{stem}_meshes"
-    root, bodies = bodies_of(result, root=stem)
+    root, bodies = bodies_of(result, root=stem, hull_vertices=hull_vertices)
     robot = Xml.Element("robot", name=root)
     robot.append(
         Xml.Comment(

@@ -7,6 +7,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+import trimesh
 from moseg_robotics.urdf import write_urdf
 
 from moseg_core import save
@@ -52,3 +53,9 @@ def test_a_shape_with_y_up_is_turned(mallet):
     origin = robot.findall("joint")[1].find("origin")
     assert list(map(float, origin.get("xyz").split())) == pytest.approx([1000, -50, 0])
     assert list(map(float, origin.get("rpy").split())) == pytest.approx([np.pi / 2, 0, 0])
+
+
+def test_hulls_have_as_few_vertices_as_was_asked(tmp_path, mallet):
+    save(mallet, tmp_path / "m.urdf", hull_vertices=5)
+    hulls = [trimesh.load(file) for file in (tmp_path / "m_meshes").glob("*_hull.stl")]
+    assert [len(hull.vertices) for hull in hulls] == [5, 5]

@@ -1,0 +1,96 @@
+"""``moseg export``: other files of a saved result, without another search.
+
+A file of labels, corrected by hand, may stand in for those of the result: its cost is then that of
+the corrected labels, and a warning in the files says where they come from.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from moseg_core.cli.console import message
+from moseg_core.cli.flags import PartFlags, ShapeFlags
+from moseg_core.cli.reading import matched_labels, read_label_property, read_shape
+from moseg_core.cli.saving import raise_last, save_outputs
+from moseg_core.errors import UsageError
+from moseg_core.io import load_result, read_labels, read_result
+from moseg_core.io.files import check_any_output, check_form
+from moseg_core.io.part_files import PartForm, check_part_form, is_for_parts
+from moseg_core.io.result_loading import find_shape
+from moseg_core.io.write.formats import check_writable, output_note
+from moseg_core.search.result import Result, find_warnings
+from moseg_core.shape.shape import Shape
+
+
+def run_export(
+    source: Path,
+    labels: Path | None,
+    *,
+    shapes: Path | None,
+    label_property: str | None,
+    reading: ShapeFlags,
+    part_flags: PartFlags,
+    outputs: Sequence[Path],
+) -> None:
+    """Read the result, and write what was asked for."""
+    if not outputs:
+        raise UsageError("say what to write: -o hammer.obj, or -o 'parts/{part}.stl'")
+    form = PartForm(
+        close=part_flags.close, hulls=part_flags.hulls, hull_vertices=part_flags.hull_vertices
+    )
+    check_form(form, outputs)
+    for output in outputs:
+        check_any_output(output)
+        if output.exists() and output.resolve() == source.resolve():
+            raise UsageError(f"'{output}' is the result itself; write to another file")
+    folders = [] if shapes is None else [shapes]
+    saved = read_result(source)
+    shape = find_shape(saved, source, folders=folders, read=lambda file: read_shape(file, reading))
+    result = load_result(source, shape)
+    if labels is not None:
+        result = _relabelled(result, labels, label_property)
+    _check(shape, outputs, form)
+    written, failures, notes = save_outputs(result, outputs, Path(shape.file), form)
+    for note in notes:
+        message(note)
+    if written:
+        message(f"wrote {', '.join(written)}")
+    raise_last(failures)
+
+
+def _check(shape: Shape, outputs: Sequence[Path], form: PartForm) -> None:
+    """Refuse what cannot be written, before anything is."""
+    for output in outputs:
+        if is_for_parts(output):
+            check_part_form(output, shape, form)
+            continue
+        check_writable(output.suffix, shape)
+        if note := output_note(output.suffix, shape):
+            message(f"{output.name}: {note}")
+
+
+def _relabelled(result: Result, path: Path, label_property: str | None) -> Result:
+    """The result with other labels, and their cost."""
+    asked = read_label_property(label_property)
+    labelling = read_labels(path, result.shape, label_property=asked, fill=True)
+    for note in labelling.notes:
+        message(note)
+    labels = matched_labels(labelling, result.problem.labels, path).astype(np.int32)
+    if labels.min() < 0 or labels.max() >= len(result.problem.labels):
+        raise UsageError(
+            f"'{path}' has labels up to {labels.max()}, and the result has"
+            f" {len(result.problem.labels)} parts, counted from 0"
+        )
+    changed = int((labels != result.labels).sum())
+    evaluation = result.problem.evaluate(result.shape, labels)
+    message(
+        f"{changed} of {len(labels)} {result.shape.noun}s have another label;"
+        f" cost {evaluation.cost.value:.6g}, before {result.cost:.6g}"
+    )
+    found = replace(result, labels=labels, evaluation=evaluation, warnings=())
+    warnings = find_warnings(evaluation, found.segmentation, found.problem.labels, "converged")
+    return replace(found, warnings=(f"labels are those of '{path.name}'", *warnings))
