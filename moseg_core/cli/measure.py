@@ -331,7 +331,7 @@ def _printed(table: PartTable) -> Table:
     for name in ("shape", "part") if several else ("part",):
         printed.add_column(name)
     for name in _SHOWN:
-        printed.add_column(name.replace("closed_", ""), justify="right")
+        printed.add_column(name, justify="right")
     for row in table:
         texts = [str(row["shape"]), str(row["part"])] if several else [str(row["part"])]
         # As texts: what is in brackets would be a style.
