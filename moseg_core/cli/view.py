@@ -8,10 +8,10 @@ from pathlib import Path
 from moseg_core.cli.console import message
 from moseg_core.cli.flags import ShapeFlags
 from moseg_core.cli.reading import read_label_property, read_shape
-from moseg_core.components.discovery.registry import registry
-from moseg_core.errors import MosegError, UsageError
+from moseg_core.errors import UsageError
 from moseg_core.io import read_labels, read_result, write_file
 from moseg_core.io.files import check_destination, instead_of
+from moseg_core.io.result_loading import find_shape
 from moseg_core.search.showing import open_page
 from moseg_core.shape.shape import Shape
 from moseg_core.view.page.content import PageContent, middle_places
@@ -100,31 +100,20 @@ def _is_result(path: Path) -> bool:
 
 
 def _shape_of(result: Path, reading: ShapeFlags) -> Shape:
-    """The shape of a result, where it lies beside it under the name that the result has for it.
+    """The shape of a result, where that says it is or beside it.
 
     Raises
     ------
-    UsageError
+    ShapeError
         There is none.
     """
-    saved = read_result(result)
-    name = str(saved.shape.get("name", ""))
-    suffixes = [
-        suffix
-        for component in registry().components("reader")
-        for suffix in getattr(component.spec, "suffixes", ())
-    ]
-    for path in sorted(result.parent.iterdir()):
-        if path.stem != name or path.suffix.lower() not in suffixes or path == result:
-            continue
-        try:
-            shape = read_shape(path, reading)
-        except MosegError:
-            continue  # some other file of that name
-        if shape.fingerprint == saved.shape.get("fingerprint"):
-            message(f"'{result.name}' is a result of '{path}'")
-            return shape
-    raise UsageError(
-        f"'{result}' holds labels and costs but no geometry, and its shape, '{name}', does not lie"
-        f" beside it; name it first: moseg view SHAPE {result}"
-    )
+    tried: list[Path] = []
+
+    def read(file: Path) -> Shape:
+        tried.append(file)
+        return read_shape(file, reading)
+
+    remedy = f"name it first: moseg view SHAPE {result}"
+    shape = find_shape(read_result(result), result, read=read, remedy=remedy)
+    message(f"'{result.name}' is a result of '{tried[-1]}'")
+    return shape

@@ -121,6 +121,7 @@ def find_shape(
     folders: Sequence[Path] = (),
     read: Callable[[Path], Shape] | None = None,
     source: Registry | None = None,
+    remedy: str = "say where it is: --shapes FOLDER, or load_result(path, shape=...)",
 ) -> Shape:
     """The shape of a saved result: at the path that it says, beside it, or in certain folders.
 
@@ -135,6 +136,8 @@ def find_shape(
         What reads a file; :func:`moseg_core.load` by default.
     source : Registry, optional
         Where to look for readers.
+    remedy : str
+        What to do where it is not found, for the message.
 
     Returns
     -------
@@ -160,7 +163,7 @@ def find_shape(
     where = f": {'; '.join(others[:3])}" if others else ""
     raise ShapeError(
         f"the shape of '{path}', '{_file_name(saved)}' of {saved.shape['elements']} elements, is"
-        f" not found{where}; say where it is: --shapes FOLDER, or load_result(path, shape=...)"
+        f" not found{where}; {remedy}"
     )
 
 

@@ -65,11 +65,18 @@ def test_a_result_alone_finds_its_shape_beside_it(moseg, files):
     assert data_of(folder / "x.html")["cost"] == 22.0
 
 
+def test_a_result_alone_knows_from_where_its_shape_was_read(moseg, files):
+    folder, _ = files
+    (folder / "elsewhere").mkdir()
+    moved = (folder / "found.json").rename(folder / "elsewhere" / "found.json")
+    assert moseg("view", moved, "-o", folder / "x.html").code == 0
+
+
 def test_a_result_alone_takes_no_other_shape_of_the_name(moseg, files):
     folder, _ = files
     (folder / "box.off").write_text("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")
     run = moseg("view", folder / "found.json", "-o", folder / "x.html")
-    assert run.code == 2
+    assert run.code == 3
     assert f"name it first: moseg view SHAPE {folder / 'found.json'}" in run.err
 
 
