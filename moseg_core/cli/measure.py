@@ -31,7 +31,7 @@ from moseg_core.components.segmentation import Segmentation
 from moseg_core.errors import MosegError, ShapeError, UsageError
 from moseg_core.io import read_labels, read_result, write_file
 from moseg_core.io.files import check_destination, files_of, instead_of, write_files
-from moseg_core.io.labels.reading import bearers
+from moseg_core.io.labels.reading import bearing_suffixes
 from moseg_core.io.result_loading import check_shape, find_shape
 from moseg_core.problem.settings import SearchOptions
 from moseg_core.problem.statement import Statement
@@ -44,8 +44,6 @@ from moseg_core.search.variants import check_variants, solve_variants
 from moseg_core.shape.shape import Shape
 
 FORMATS = (".csv", ".tsv", ".json")
-#: Suffixes of shapes that may bear labels.
-_BEARING = (".ply", ".obj", ".stl", ".glb", ".gltf")
 #: Of a table on the terminal: what there is room for.
 _SHOWN = ("elements", "area", "share", "closed_volume", "length", "width", "height", "pieces")
 
@@ -241,7 +239,7 @@ def _files(word: str, finder: Finder | None) -> tuple[Path, Path | None]:
     if whole.suffix.lower() == ".json":
         return whole, None
     # Groups and nodes of a model are no parts where others are to be found.
-    bearing = (*_BEARING, *bearers()) if finder is None else (".ply",)
+    bearing = bearing_suffixes() if finder is None else (".ply",)
     if whole.name.lower().endswith(bearing):
         return whole, whole
     if finder is None:

@@ -5,12 +5,15 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import numpy as np
+
 from moseg_core.cli.console import message
 from moseg_core.cli.flags import ShapeFlags
 from moseg_core.cli.reading import read_label_property, read_shape
 from moseg_core.errors import UsageError
 from moseg_core.io import read_labels, read_result, write_file
 from moseg_core.io.files import check_destination, instead_of
+from moseg_core.io.labels.reading import bearing_suffixes
 from moseg_core.io.result_loading import find_shape
 from moseg_core.search.showing import open_page
 from moseg_core.shape.shape import Shape
@@ -58,8 +61,11 @@ def _content(shape: Shape, path: Path, label_property: str | None) -> PageConten
     labelling = read_labels(path, shape, label_property=read_label_property(label_property))
     for note in labelling.notes:
         message(note)
-    labels = labelling.labels
-    names = labelling.names or tuple(f"label {k}" for k in range(int(labels.max()) + 1))
+    labels, names = labelling.labels, labelling.names
+    if names is None:  # numbers, of which some may be left out
+        used, labels = np.unique(labels, return_inverse=True)
+        labels = labels - np.count_nonzero(used < 0)
+        names = tuple(f"label {number}" for number in used[used >= 0])
     saved = read_result(path) if _is_result(path) else None
     if saved is not None and saved.shape.get("fingerprint") != shape.fingerprint:
         message(f"warning: {path} is a result of another shape, '{saved.shape.get('name')}'")
@@ -83,7 +89,7 @@ def _bearing(source: Path) -> Path:
     UsageError
         No such file does.
     """
-    if source.suffix.lower() not in (".ply", ".obj", ".stl", ".glb", ".gltf"):
+    if not source.name.lower().endswith(bearing_suffixes()):
         raise UsageError(
             f"'{source}' is a shape and bears no labels; name what does after it:"
             f" moseg view {source} RESULT"

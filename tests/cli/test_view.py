@@ -80,6 +80,15 @@ def test_a_result_alone_takes_no_other_shape_of_the_name(moseg, files):
     assert f"name it first: moseg view SHAPE {folder / 'found.json'}" in run.err
 
 
+def test_numbers_that_are_left_out_are_no_parts(moseg, files):
+    folder, result = files
+    numbers = np.where(np.asarray(result.labels) == 0, 1, 7)
+    (folder / "x.seg").write_text("\n".join(map(str, numbers)))
+    assert moseg("view", folder / "box.off", folder / "x.seg", "-o", folder / "x.html").code == 0
+    areas = {part["name"]: part["area"] for part in data_of(folder / "x.html")["parts"]}
+    assert areas == {"label 1": 11.0, "label 7": 11.0}
+
+
 def test_a_shape_that_bears_its_labels_needs_no_other_file(moseg, files):
     folder, _ = files
     assert moseg("view", folder / "found.ply", "-o", folder / "x.html").code == 0

@@ -43,6 +43,8 @@ _READERS: dict[str, Callable[[Path, Wanted], Listing]] = {
     ".glb": read_glb_labels,
     ".gltf": read_glb_labels,
 }
+#: Shapes, which may bear labels.
+_SHAPES = (".ply", ".obj", ".stl", ".glb", ".gltf")
 _OF_EDGES = (".eseg", ".seseg")
 
 
@@ -138,7 +140,12 @@ def read_labels(
     return Labelling(labels=labels, names=names, notes=notes)
 
 
-def bearers() -> dict[str, Component]:
+def bearing_suffixes() -> tuple[str, ...]:
+    """Suffixes of shapes that may bear labels themselves, those that bundles read among them."""
+    return (*_SHAPES, *_bearers())
+
+
+def _bearers() -> dict[str, Component]:
     """By suffix the readers of bundles whose formats bear labels."""
     return {
         suffix: component
@@ -149,7 +156,7 @@ def bearers() -> dict[str, Component]:
 
 def _told_by_bundle(path: Path, shape: Shape | int) -> Labelling:
     """Labels as the reader of a bundle tells them."""
-    able = bearers()
+    able = _bearers()
     fitting = [suffix for suffix in able if path.name.lower().endswith(suffix)]
     if not fitting:
         kind = f"'{path.suffix}'" if path.suffix else "no suffix"

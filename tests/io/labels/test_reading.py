@@ -226,6 +226,7 @@ def test_the_reader_of_a_bundle_tells_labels(acme, tmp_path, row):
     assert (found.labels.tolist(), found.names) == ([0, 1, 1, -1, 0, 0], ("a", "b"))
     assert found.notes == ("seen", "x.Sheet.GZ: 1 of 6 faces is unlabelled and left out")
     assert read_labels(tmp_path / "x.sheet", row, fill=True).labels.min() == 0
+    assert "x.sheet.gz".endswith(reading.bearing_suffixes())
     with pytest.raises(UsageError, match="labels are those of places; give the shape"):
         read_labels(tmp_path / "x.sheet", 6)
 
