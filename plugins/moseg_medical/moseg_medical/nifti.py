@@ -62,7 +62,8 @@ def read_nifti(path: Path) -> Shape:
     """
     values, affine, header = _volume(path)
     name = stem_of(path.name, SUFFIXES)
-    return shape_of_mask(path, values, affine, name=name, header={_HEADER: header})
+    shape = shape_of_mask(path, values, affine, name=name, header={_HEADER: header})
+    return shape.with_up("z")
 
 
 def nifti_labels(path: Path, shape: Shape) -> Labelling:

@@ -34,8 +34,11 @@ from moseg_medical.masks import (
 SUFFIXES = (".nrrd",)
 _HEADER = "nrrd"
 _LPS = "left-posterior-superior"
-#: Signs that turn a space into RAS.
+_RAS = (1.0, 1.0, 1.0)
+#: Signs that turn a space into RAS; in all of them the third axis goes up the patient.
 _SIGNS = {
+    "right-anterior-superior": _RAS,
+    "ras": _RAS,
     _LPS: (-1.0, -1.0, 1.0),
     "lps": (-1.0, -1.0, 1.0),
     "left-anterior-superior": (-1.0, 1.0, 1.0),
@@ -60,7 +63,7 @@ def read_nrrd(path: Path) -> Shape:
     -------
     Shape
         An element for each cell that is not 0, the first axis of the file first, in C order, in
-        millimetres, x to the right, y to the front, z up.
+        millimetres, x to the right, y to the front, z up, if the file says in which space it is.
 
     Raises
     ------
@@ -70,7 +73,8 @@ def read_nrrd(path: Path) -> Shape:
     """
     values, affine, header = _volume(path)
     name = stem_of(path.name, SUFFIXES)
-    return shape_of_mask(path, values, affine, name=name, header={_HEADER: header})
+    shape = shape_of_mask(path, values, affine, name=name, header={_HEADER: header})
+    return shape.with_up("z") if _space(header) in _SIGNS else shape
 
 
 def nrrd_labels(path: Path, shape: Shape) -> Labelling:
@@ -152,11 +156,16 @@ def _affine(path: Path, header: dict[str, Any]) -> FloatArray:
         raise ShapeError(
             f"{path.name} has {len(rows)} axes in space, not three; save a volume of three axes"
         )
-    signs = np.array(_SIGNS.get(str(header.get("space", "")).lower(), (1.0, 1.0, 1.0)))
+    signs = np.array(_SIGNS.get(_space(header), _RAS))
     origin = np.array(header.get("space origin", np.zeros(3)), np.float64)
     affine[:3, :3] = (rows * signs).T
     affine[:3, 3] = origin * signs
     return affine
+
+
+def _space(header: dict[str, Any]) -> str:
+    """The space that directions are in, in small letters; empty where the file does not say."""
+    return str(header.get("space", "")).lower()
 
 
 def _rows(directions: Any) -> Iterator[FloatArray]:

@@ -38,6 +38,7 @@ def test_a_label_map_lies_where_the_mask_lay(tmp_path, name, kind):
     data = image.to_bytes()
     path.write_bytes(gzip.compress(data) if name.lower().endswith(".gz") else data)
     shape = moseg.load(path)
+    assert shape.up == "z"
     back = written(shape, tmp_path)
     np.testing.assert_array_equal(back.affine, nibabel.load(path).affine)
     for form in ("get_sform", "get_qform"):

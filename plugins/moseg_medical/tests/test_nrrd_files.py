@@ -51,6 +51,7 @@ def test_a_label_map_lies_where_the_mask_lay(tmp_path, space, signs):
     given = header_of(space, signs, Patient="none", Segment7_Name="old", encoding="raw")
     shape = moseg.load(saved(tmp_path, ell().astype(np.int32), given))
     np.testing.assert_allclose(shape.points, np.argwhere(ell()) @ AFFINE[:3, :3].T + AFFINE[:3, 3])
+    assert shape.up == "z"
     numbers, header = written(shape, tmp_path)
     assert numbers.dtype == np.uint8
     np.testing.assert_array_equal(numbers > 0, ell() > 0)
@@ -68,6 +69,7 @@ def test_cells_have_the_spacings_where_there_are_no_directions(tmp_path):
     shape = moseg.load(saved(tmp_path, ell(), {"spacings": [0.5, 0.5, 3.0]}))
     np.testing.assert_allclose(shape.points, np.argwhere(ell()) * [0.5, 0.5, 3.0])
     bare = moseg.load(saved(tmp_path, ell(), {}, "bare.nrrd"))
+    assert bare.up is None
     assert bare.volume == np.count_nonzero(ell())
     assert written(shape, tmp_path)[1]["spacings"].tolist() == [0.5, 0.5, 3.0]
 
