@@ -190,6 +190,9 @@ def _no_mask(path: Path, what: str) -> ShapeError:
 def label_map(result: Result, format: str) -> tuple[VoxelGrid, npt.NDArray[Any]]:
     """The grid of a result, and the number of each cell: of part ``i`` ``i + 1``, else 0.
 
+    Where only cells of the surface are elements, those within have the number of the nearest of
+    these: a label map is to divide the whole mask.
+
     Parameters
     ----------
     result : Result
@@ -216,7 +219,23 @@ def label_map(result: Result, format: str) -> tuple[VoxelGrid, npt.NDArray[Any]]
     if count >= 2**16:
         raise UsageError(f"{count} parts are more than a label map has numbers for; write .npz")
     kind = np.uint8 if count < 2**8 else np.uint16
-    return grid, grid.spread(np.asarray(result.labels + 1, kind), 0)
+    return grid, _filled(grid, grid.spread(np.asarray(result.labels + 1, kind), 0))
+
+
+def _filled(grid: VoxelGrid, numbers: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """Numbers for all occupied cells: of those that have none the nearest one, by their sides."""
+    missing = grid.occupied & (numbers == 0)
+    if not missing.any():
+        return numbers
+    from scipy import ndimage
+
+    filled = numbers.copy()
+    box = ndimage.find_objects(grid.occupied.astype(np.uint8))[0]
+    near = ndimage.distance_transform_edt(
+        numbers[box] == 0, sampling=grid.pitch, return_distances=False, return_indices=True
+    )
+    filled[box][missing[box]] = numbers[box][tuple(near)][missing[box]]
+    return filled
 
 
 def affine_of(grid: VoxelGrid) -> FloatArray:

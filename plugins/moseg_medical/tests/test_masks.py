@@ -68,6 +68,22 @@ def test_parts_are_numbered_from_1():
     assert numbers[tuple(grid.cells.T)].tolist() == [1] * (count // 2) + [2] * (count - count // 2)
 
 
+def test_cells_within_have_the_number_of_the_nearest_of_the_surface():
+    mask = np.zeros((9, 7, 7), np.uint8)
+    mask[1:8, 1:6, 1:6] = 1
+    flat = np.diag([1.0, 1.0, 9.0, 1.0])
+    surface = shape_of(mask, flat).with_elements("surface")
+    halves = result_on(surface)
+    grid, numbers = label_map(halves, "NIfTI")
+    np.testing.assert_array_equal(numbers > 0, mask > 0)
+    assert numbers[tuple(grid.cells.T)].tolist() == (halves.labels + 1).tolist()
+    assert (numbers[2:4, 3, 3] == 1).all()
+    assert (numbers[5:7, 3, 3] == 2).all()
+    front = np.where(surface.geometry.cells[:, 2] == 1, 0, 1).astype(np.int32)
+    _, numbers = label_map(result_on(surface, labels=front), "NIfTI")
+    assert (numbers[2:7, 2:5, 2] == 2).all()  # the bottom is one cell away, but dearer than a side
+
+
 def test_only_grids_have_label_maps():
     tile = Shape.from_mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]], [[0, 1, 2], [1, 3, 2]])
     with pytest.raises(UsageError, match="NIfTI holds the label map of a voxel grid"):
