@@ -114,7 +114,8 @@ def check_part_files(path: Path) -> None:
         A format that is not for single parts, or no such folder.
     """
     if path.suffix.lower() not in PART_SUFFIXES:
-        asked = f"as '{path.suffix}'" if path.suffix else "without a suffix"
+        suffix = "".join(path.suffixes[-2:]) if path.suffix.lower() == ".gz" else path.suffix
+        asked = f"as '{suffix}'" if suffix else "without a suffix"
         raise UsageError(
             f"cannot write one file per part {asked}; formats: {', '.join(PART_SUFFIXES)}"
         )

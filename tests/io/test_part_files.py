@@ -185,7 +185,9 @@ def test_a_slip_in_the_braces_is_told(path, says):
 def test_a_path_is_checked_before_the_search(tmp_path):
     check_part_files(tmp_path / "new" / "{part}.STL")
     with pytest.raises(UsageError, match=r"per part as '\.json'; formats: \.stl, \.obj, \.ply"):
-        check_part_files(tmp_path / "{part}.json")
+        check_part_files(tmp_path / "{part}.v2.json")
+    with pytest.raises(UsageError, match=r"per part as '\.nii\.gz'; formats"):
+        check_part_files(tmp_path / "{part}.v2.nii.gz")
     with pytest.raises(UsageError, match="without a suffix"):
         check_part_files(tmp_path / "{part}")
     with pytest.raises(UsageError, match=r"there is no folder '.*new'"):
