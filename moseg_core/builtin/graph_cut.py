@@ -48,6 +48,7 @@ from moseg_core.components.discovery.lookup import Lookup
 from moseg_core.components.field import field_values
 from moseg_core.components.parameters import Interval
 from moseg_core.components.protocols import Evaluator, Progress, Report
+from moseg_core.components.requirements import LackError, demand
 from moseg_core.errors import ShapeError, UsageError
 from moseg_core.shape.links import Links
 from moseg_core.shape.shape import Shape
@@ -57,6 +58,7 @@ from moseg_core.types import FloatArray, Int32Array, IntArray
 _WEIGHTS = (0.15, 1.5)
 #: The field that is gone by where the user names none.
 _CONCAVITY = "basic:concavity"
+_LENGTHS_ALONE = "go by lengths alone with graph_cut(field=none)"
 #: Most times to go through all pairs of parts; it ends before when nothing changes any more.
 _SWEEPS = 10
 
@@ -174,16 +176,19 @@ class GraphCut:
         if self.field is None:
             return lengths, ""
         name = _CONCAVITY if self.field == "auto" else self.field
+        lookup = Lookup(evaluator.problem.registry)
         try:
-            values = field_values(shape, name, lookup=Lookup(evaluator.problem.registry))
+            found = lookup.field(name)
+            demand(shape, found.requires, f"field '{found.id}'", instead=_LENGTHS_ALONE)
+            values = field_values(shape, name, lookup=lookup)
         except (ShapeError, UsageError) as error:
             if self.field == "auto":
                 said = f"refiner 'graph_cut' goes by lengths alone, not along creases: {error}"
                 return lengths, said
-            raise type(error)(
-                f"refiner 'graph_cut' goes by the field '{self.field}': {error}; install the bundle"
-                " that it is of, or go by lengths alone with graph_cut(field=none)"
-            ) from error
+            said = f"refiner 'graph_cut' goes by the field '{self.field}': {error}"
+            if not isinstance(error, LackError):
+                said += f"; install the bundle that it is of, or {_LENGTHS_ALONE}"
+            raise type(error)(said) from error
         concavity = (values[links.first] + values[links.second]) / 2
         weights: FloatArray = lengths * np.clip(1 - self.crease * concavity, *_WEIGHTS)
         return weights, ""

@@ -413,7 +413,11 @@ def test_by_default_it_goes_along_creases_where_that_field_is_to_be_had():
     said = GraphCut().check(evaluator_on(shape, source=bare))
     assert said.startswith("refiner 'graph_cut' goes by lengths alone, not along creases: unknown")
     block = Shape.from_voxels(np.ones((4, 2, 2), bool))
-    assert "lengths alone" in GraphCut().check(evaluator_on(block))
+    said = GraphCut().check(evaluator_on(block))
+    assert "not along creases: field 'basic:concavity' needs a surface" in said
+    assert said.endswith("with graph_cut(field=none) or read the surface alone (--voxels surface)")
+    with pytest.raises(ShapeError, match=r"field=none\) or read the surface alone \(--vox.*\)$"):
+        GraphCut(field="basic:concavity").check(evaluator_on(block))
     assert GraphCut(field=None).check(evaluator_on(block, source=bare)) == ""
 
 
