@@ -11,6 +11,7 @@ from typing import Literal
 from cyclopts import App
 
 from moseg_core.cli.console import message
+from moseg_core.cli.examples import show_examples
 from moseg_core.components.discovery.registry import registry
 from moseg_core.errors import PluginError, UsageError
 
@@ -42,3 +43,4 @@ def add_all_commands(app: App) -> None:
             app.command(component.load(), name=component.spec.name)
         except PluginError as error:
             message(f"without '{component.spec.name}': {error}")
+    show_examples(app)

@@ -107,7 +107,7 @@ class ShapeFlags:
     voxels: Literal["solid", "surface"] = "solid"
     pitch: str | None = None
     up: Annotated[
-        Literal["x", "y", "z", "-x", "-y", "-z"] | None, Parameter(allow_leading_hyphen=True)
+        Literal["x", "-x", "y", "-y", "z", "-z"] | None, Parameter(allow_leading_hyphen=True)
     ] = None
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import webbrowser
 from dataclasses import replace
 from pathlib import Path
@@ -62,6 +63,10 @@ def run_tune(
     message(f"cost {session.result.cost:.6g}; open {server.url} (Ctrl-C ends)")
     if browser:
         webbrowser.open(server.url)
+    # Also where whoever started this process had it ignore Ctrl-C, as shells do for what runs
+    # behind them.
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, signal.default_int_handler)
     try:
         server.serve()
     except KeyboardInterrupt:

@@ -88,7 +88,7 @@ def rotations_of(
     >>> from moseg_core.shape.mesh import PolygonMesh
     >>> tile = PolygonMesh.from_faces([[0, 0, 0], [2, 0, 0], [2, 1, 0], [0, 1, 0]], [[0, 1, 2, 3]])
     >>> top, = rotations_of(tile, ["top"], np.array([0.0, 0.0, 1.0]))
-    >>> top[2].round(9).tolist()
+    >>> (top[2].round(9) + 0.0).tolist()
     [0.0, 0.0, 1.0]
     """
     corners = mesh.vertices[mesh.triangles]

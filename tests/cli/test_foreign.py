@@ -19,9 +19,9 @@ COMMANDS = """\
         '''Say hello.'''
         print("hello", name, *([name] if twice else []))
 
-    measure = App(name="measure", help="How large things are.")
+    gauge = App(name="gauge", help="How large things are.")
 
-    @measure.command
+    @gauge.command
     def ball(*, radius: float):
         '''The volume of a ball.'''
         if radius < 0:
@@ -35,7 +35,7 @@ BUNDLE = """\
     def moseg_commands():
         return [
             CommandSpec(name="greet", target="acme_commands:greet", summary="Be polite."),
-            CommandSpec(name="measure", target="acme_commands:measure", summary="Sizes."),
+            CommandSpec(name="gauge", target="acme_commands:gauge", summary="Sizes."),
             CommandSpec(name="segment", target="acme_commands:greet", summary="Not mine."),
         ]
 """
@@ -47,7 +47,7 @@ def acme(site, monkeypatch):
     site.add("acme", bundles={"acme": "acme_bundle"}, acme_bundle=BUNDLE, acme_commands=COMMANDS)
     monkeypatch.setattr(foreign, "registry", site.discover)
     yield site
-    for name in ("greet", "measure", "other:greet"):
+    for name in ("greet", "gauge", "other:greet"):
         if name in app:
             del app[name]
 
@@ -59,17 +59,17 @@ def test_a_function_is_a_command(moseg, acme):
 
 
 def test_an_app_is_a_command_with_commands_of_its_own(moseg, acme):
-    run = moseg("measure", "ball", "--radius", "1")
+    run = moseg("gauge", "ball", "--radius", "1")
     assert (run.code, run.out) == (0, "4.19\n")
-    assert "How large things are." in moseg("measure", "--help").out
-    assert "The volume of a ball." in moseg("measure", "ball", "--help").out
+    assert "How large things are." in moseg("gauge", "--help").out
+    assert "The volume of a ball." in moseg("gauge", "ball", "--help").out
 
 
 def test_errors_of_commands_within_commands_have_their_exit_codes(moseg, acme):
-    run = moseg("measure", "ball", "--radius", "-1")
+    run = moseg("gauge", "ball", "--radius", "-1")
     assert run.code == 2
     assert run.err == "moseg: a ball has no radius of -1\n"
-    run = moseg("measure", "bal")
+    run = moseg("gauge", "bal")
     assert run.code == 2
     assert 'Did you mean "ball"' in run.err
 
@@ -79,9 +79,9 @@ def test_the_cores_own_commands_come_first(moseg, acme):
 
 
 def test_a_misspelled_command_suggests_all_and_imports_none(moseg, acme):
-    run = moseg("measur")
+    run = moseg("gaug")
     assert run.code == 2
-    assert "unknown command 'measur'; did you mean 'measure'?" in run.err
+    assert "unknown command 'gaug'; did you mean 'gauge'?" in run.err
     assert "unknown command 'segmen'; did you mean 'segment'?" in moseg("segmen").err
     assert "acme_commands" not in sys.modules
 
@@ -104,9 +104,9 @@ def test_a_command_that_two_bundles_have_is_asked_for_by_its_full_name(moseg, ac
 
 def test_a_command_that_cannot_be_imported_is_in_nobody_elses_way(moseg, acme):
     (acme.folder / "acme_commands.py").write_text("import nothing_of_the_kind\n")
-    run = moseg("measure", "ball")
+    run = moseg("gauge", "ball")
     assert run.code == 1
-    assert "command 'acme:measure' of acme 1.0 cannot be loaded" in run.err
+    assert "command 'acme:gauge' of acme 1.0 cannot be loaded" in run.err
     assert "did you mean 'segment'?" in moseg("segmen").err
 
 

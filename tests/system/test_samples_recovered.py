@@ -64,6 +64,7 @@ def test_hammer_is_found():
     assert result.cost <= result.problem.evaluate(shape, truth.labels).cost.value
 
 
+@pytest.mark.slow
 def test_horse_has_all_its_parts_each_in_one_piece():
     result = _solve(moseg.load(moseg.sample_path("horse")), "paper_horse")
     assert result.evaluation.empty == ()

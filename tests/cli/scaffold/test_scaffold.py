@@ -80,7 +80,14 @@ def test_distributions_whose_components_are_named_are_required():
     ]
 
 
-@pytest.mark.parametrize("kind", [*AROUND, *(pytest.param(k, marks=pytest.mark.slow) for k in IN)])
+# Each installs a bundle and runs its tests: one kind is enough for every day.
+@pytest.mark.parametrize(
+    "kind",
+    [
+        pytest.param(kind, marks=() if kind == "recipe" else pytest.mark.slow)
+        for kind in (*AROUND, *IN)
+    ],
+)
 def test_the_bundle_passes_its_tests_and_the_kit(kind, tmp_path):
     """Without installing anything: its sources and its metadata are on the path.
 
