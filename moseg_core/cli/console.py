@@ -105,7 +105,7 @@ class _BestByStage:
     def __init__(self) -> None:
         self._best: dict[str, Cost] = {}
 
-    def told(self, progress: Progress) -> str:
+    def cost_text(self, progress: Progress) -> str:
         """The best so far in words, with what is reported now; empty where there is none."""
         stage = progress.stage
         if progress.best is not None:
@@ -132,7 +132,7 @@ def progress_lines(clock: Callable[[], float] = time.monotonic) -> Report:
 
     def report(progress: Progress) -> bool:
         nonlocal spoke
-        now, cost = clock(), best.told(progress)
+        now, cost = clock(), best.cost_text(progress)
         if now - spoke < _LINE_EVERY:
             return False
         spoke = now
@@ -197,7 +197,7 @@ def progress_reporter(*, quiet: bool) -> Iterator[Report]:
             ),
             total=None if fraction is None else 1.0,
             completed=fraction or 0.0,
-            cost=best.told(progress),
+            cost=best.cost_text(progress),
         )
         if time.monotonic() - drawn >= _REDRAWN_EVERY:
             bars.refresh()

@@ -403,12 +403,18 @@ Report = Callable[[Progress], bool]
 
 
 def placed(report: Report, place: str) -> Report:
-    """The same report, told in front of each place which of several searches alike it is.
+    """The same report, with a place in front of those that it is given.
+
+    Parameters
+    ----------
+    report : callable
+    place : str
+        Which of several searches alike it is.
 
     Examples
     --------
-    >>> told = placed(lambda progress: print(progress.place), "label set 2 of 3")
-    >>> told(Progress(stage="k-means", done=1, place="start 1 of 8"))
+    >>> report = placed(lambda progress: print(progress.place), "label set 2 of 3")
+    >>> report(Progress(stage="k-means", done=1, place="start 1 of 8"))
     label set 2 of 3, start 1 of 8
     """
 

@@ -205,9 +205,9 @@ class Trial:
         def named(progress: Progress) -> bool:
             return report(replace(progress, stage=f"{name}: {progress.stage}"))
 
-        told = placed(named, f"label set {k + 1} of {len(self.variants.tasks)}")
+        with_place = placed(named, f"label set {k + 1} of {len(self.variants.tasks)}")
         try:
-            found = solve(level, task.problem, mine, defaults=method, report=told, **self.more)
+            found = solve(level, task.problem, mine, defaults=method, report=with_place, **self.more)
         except MosegError as error:
             found = error.result
             return Outcome.of(k, None if found is None else self._on_input(found), error)

@@ -148,8 +148,8 @@ function detailRow(part, costly) {
     ),
     make("tbody", {}, ...terms),
   );
-  const told = part.detail ? make("p", { className: "told" }, part.detail) : null;
-  const row = make("tr", { className: "detail" }, make("td", { colspan: "4" }, table, told));
+  const detail = part.detail ? make("p", { className: "comment" }, part.detail) : null;
+  const row = make("tr", { className: "detail" }, make("td", { colspan: "4" }, table, detail));
   row.hidden = true;
   return row;
 }

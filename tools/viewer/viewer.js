@@ -289,7 +289,7 @@ function followTheme(changed) {
 
 /** Put a text into the clipboard; where a browser forbids that, it is selected to be copied. */
 async function copy(node, button) {
-  const told = button.textContent;
+  const label = button.textContent;
   try {
     await navigator.clipboard.writeText(node.textContent);
     button.textContent = "Copied";
@@ -297,7 +297,7 @@ async function copy(node, button) {
     window.getSelection().selectAllChildren(node);
     button.textContent = "Selected";
   }
-  setTimeout(() => (button.textContent = told), 1500);
+  setTimeout(() => (button.textContent = label), 1500);
 }
 
 export const viewer = start();

@@ -104,7 +104,7 @@ def _parts(content: PageContent) -> list[dict[str, Any]]:
     counts = np.bincount(kinds, minlength=len(names) + 1)
     colors = ["#" + color.tobytes().hex() for color in part_colors(len(names))]
     costs = {} if content.evaluation is None else _costs(content.evaluation)
-    told = {} if content.evaluation is None else content.evaluation.disagreements
+    details = {} if content.evaluation is None else content.evaluation.disagreements
     total = float(areas.sum())
     parts = []
     for k, (name, color) in enumerate(
@@ -114,7 +114,7 @@ def _parts(content: PageContent) -> list[dict[str, Any]]:
         if not labelled and counts[k] == 0:
             continue
         terms = costs.get(name, []) if labelled else []
-        detail = told.get((name,)) if labelled else None
+        detail = details.get((name,)) if labelled else None
         center = None if content.centers is None or not labelled else content.centers[k]
         parts.append(
             {
