@@ -207,7 +207,9 @@ class Trial:
 
         with_place = placed(named, f"label set {k + 1} of {len(self.variants.tasks)}")
         try:
-            found = solve(level, task.problem, mine, defaults=method, report=with_place, **self.more)
+            found = solve(
+                level, task.problem, mine, defaults=method, report=with_place, **self.more
+            )
         except MosegError as error:
             found = error.result
             return Outcome.of(k, None if found is None else self._on_input(found), error)
