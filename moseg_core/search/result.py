@@ -12,7 +12,7 @@ from moseg_core.components.discovery.lookup import Lookup
 from moseg_core.components.part import Part
 from moseg_core.components.protocols import Centers
 from moseg_core.components.segmentation import Segmentation
-from moseg_core.named import Named
+from moseg_core.search.named import Named
 from moseg_core.problem.aggregate import Evaluation
 from moseg_core.problem.hierarchy import Hierarchy
 from moseg_core.problem.problem import Problem

@@ -6,7 +6,7 @@ import pickle
 
 import pytest
 
-from moseg_core.named import Named
+from moseg_core.search.named import Named
 
 PARTS = Named({"head": 1, "handle": 2}, kind="part")
 

@@ -43,7 +43,7 @@ class Named(Mapping[str, T]):
     (30, None, ['Anna', 'Hanno'])
     >>> ages["Ana"]
     Traceback (most recent call last):
-    moseg_core.named.UnknownNameError: unknown person 'Ana'; did you mean 'Anna'?
+    moseg_core.search.named.UnknownNameError: unknown person 'Ana'; did you mean 'Anna'?
     """
 
     def __init__(self, entries: Mapping[str, T], *, kind: str) -> None:
