@@ -12,10 +12,10 @@ from moseg_core.components.discovery.lookup import Lookup
 from moseg_core.components.part import Part
 from moseg_core.components.protocols import Centers
 from moseg_core.components.segmentation import Segmentation
-from moseg_core.search.named import Named
 from moseg_core.problem.aggregate import Evaluation
 from moseg_core.problem.hierarchy import Hierarchy
 from moseg_core.problem.problem import Problem
+from moseg_core.search.named import Named
 from moseg_core.search.part_measures import measure_parts
 from moseg_core.search.part_table import PartTable
 from moseg_core.search.showing import framed, open_page
