@@ -55,6 +55,10 @@ class Refinement:
     failure: MosegError | None = None
 
 
+MUCH_DEARER = 1.5
+"""How many times as high the cost of refined labels may be before it is worth a warning."""
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ReadyRefiner:
     """A refiner that was made before the search: what is wrong with it is told at once.
@@ -135,6 +139,13 @@ class ReadyRefiner:
             return replace(found, warning=reason, failure=error)
         moved = int((labels != found.labels).sum())
         history = _record(found.evaluation, 0), _record(evaluation, moved)
+        before, after = found.evaluation.cost.value, evaluation.cost.value
+        if after > MUCH_DEARER * before > 0.0:
+            dearer = (
+                f"the refiner has raised the cost from {before:.4g} to {after:.4g}; look at the"
+                " boundaries, or leave it out: --refiner none"
+            )
+            warning = "; ".join(filter(None, [warning, dearer]))
         return Refinement(labels=labels, evaluation=evaluation, history=history, warning=warning)
 
     def _labels(

@@ -58,6 +58,12 @@ def test_labels_and_cost_are_those_that_the_refiner_returns():
     )
 
 
+def test_a_cost_that_a_refiner_has_raised_much_is_a_warning():
+    found = refined(np.where(np.arange(8) < 7, 0, 1))
+    assert "raised the cost from 4 to 7" in found.warning
+    assert refined(np.where(np.arange(8) < 5, 0, 1)).warning == ""
+
+
 @pytest.mark.parametrize(
     "garbage",
     [
