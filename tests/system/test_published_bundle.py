@@ -63,7 +63,7 @@ def test_bundles_of_every_kind_from_wheels_alone(tmp_path):
     (tmp_path / "dist").mkdir()
     wheels = build_wheels(tmp_path / "dist")
     (core,) = (wheel for wheel in wheels if wheel.name.startswith("moseg_core-"))
-    assert len(wheels) == 7
+    assert len(wheels) == 9
 
     # The extra "all" brings the plugins, here from the wheels beside the core's.
     run = environment(home, work)
@@ -86,6 +86,7 @@ def test_bundles_of_every_kind_from_wheels_alone(tmp_path):
     run("python", *PIP, "install", *pinned, "--no-build-isolation", *folders)
     listed = json.loads(run("moseg", "plugin", "list", "--json").stdout)
     own = {"core", "basic", "symmetry", "mds", "benchmark", "learn", "shapes"}
+    own |= {"robotics", "medical"}
     assert {bundle["name"] for bundle in listed} == own | set(names.values())
     assert not [bundle["problem"] for bundle in listed if bundle["problem"]]
 
@@ -106,8 +107,9 @@ def test_bundles_of_every_kind_from_wheels_alone(tmp_path):
         *("--labels", "handle,head", "--seeder", "scattered", "--labeler", "exchange"),
         *("--minimize", "3*slender(handle, ratio=6) + perpendicular(handle, head) + convex_parts"),
         *("--optimizer", "gaussian_steps(max_evaluations=60)", "--refiner", "majority"),
-        *("-o", "result.json"),
+        *("-o", "result.json", "-o", "result.html"),
     )
+    assert (work / "result.html").stat().st_size > 500_000  # the page with its script
     result = json.loads((work / "result.json").read_text())
     assert result["terms"][0]["objective"] == "my_objective:slender"
     assert result["method"]["optimizer"].startswith("my_optimizer:gaussian_steps")
