@@ -41,6 +41,7 @@ export function fillHeader(page) {
     `${whole(page.elements)} ${page.noun}${page.elements === 1 ? "" : "s"}`,
     `${page.parts.length} part${page.parts.length === 1 ? "" : "s"}`,
     `${page.measure} ${short(page.total)}`,
+    page.view.said,
   ];
   document.getElementById("facts").append(...facts.map((fact) => make("span", {}, fact)));
   if (page.cost !== null) {

@@ -65,7 +65,8 @@ def page_document(
     )
     stride = -(-len(shown.corners) // _LOOKED_AT)
     corners = shown.corners[::stride]
-    right, up, front = standing_axes(corners, standing_of(corners, shape.up).up).tolist()
+    standing = standing_of(corners, shape.up)
+    right, up, front = standing_axes(corners, standing.up).tolist()
     noun = "triangle" if len(surface.triangles) else "point"
     notes = [one_line(warning) for warning in content.warnings]
     if shown.drawn < shown.known:
@@ -91,7 +92,7 @@ def page_document(
         "order": _worst_first(parts),
         "terms": [] if evaluation is None else _terms(evaluation),
         "steerable": content.centers is not None,
-        "view": {"right": right, "up": up, "front": front},
+        "view": {"right": right, "up": up, "front": front, "said": standing.said},
         "geometry": shown.document,
     }
 

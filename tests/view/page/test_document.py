@@ -131,6 +131,12 @@ def test_cells_are_drawn_by_their_exposed_faces():
     assert max(numbers(document["geometry"]["elements"])) == 26
 
 
+def test_the_shape_stands_as_it_is_known_to(box):
+    view = page_document(content(box.with_up("-x")))["view"]
+    assert (view["up"], view["said"]) == ([-1.0, 0.0, 0.0], "up: -x")
+    assert page_document(content(box))["view"]["said"].endswith(", guessed")
+
+
 def test_a_thinned_mesh_says_both_numbers_and_what_is_too_small():
     shape = Shape.from_mesh(*shapes.rectangle(10.0, 10.0, 60, 60))
     labels = np.zeros(shape.n_elements, np.int64)
