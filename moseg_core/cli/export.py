@@ -15,15 +15,13 @@ import numpy as np
 from moseg_core.cli.console import message
 from moseg_core.cli.flags import PartFlags, ShapeFlags
 from moseg_core.cli.reading import matched_labels, read_label_property, read_shape
-from moseg_core.cli.saving import raise_last, save_outputs
+from moseg_core.cli.saving import check_saving, raise_last, save_outputs
 from moseg_core.errors import UsageError
 from moseg_core.io import load_result, read_labels, read_result
 from moseg_core.io.files import check_any_output, check_form
-from moseg_core.io.part_files import PartForm, check_part_form, is_for_parts
+from moseg_core.io.part_files import PartForm
 from moseg_core.io.result_loading import find_shape
-from moseg_core.io.write.formats import check_writable, output_note
 from moseg_core.search.result import Result, find_warnings
-from moseg_core.shape.shape import Shape
 
 
 def run_export(
@@ -45,32 +43,22 @@ def run_export(
     check_form(form, outputs)
     for output in outputs:
         check_any_output(output)
-        if output.exists() and output.resolve() == source.resolve():
-            raise UsageError(f"'{output}' is the result itself; write to another file")
+        for read in (source, labels):
+            if read is not None and output.exists() and read.exists() and output.samefile(read):
+                raise UsageError(f"'{output}' is read here; write to another file")
     folders = [] if shapes is None else [shapes]
     saved = read_result(source)
     shape = find_shape(saved, source, folders=folders, read=lambda file: read_shape(file, reading))
     result = load_result(source, shape)
     if labels is not None:
         result = _relabelled(result, labels, label_property)
-    _check(shape, outputs, form)
+    check_saving(shape, outputs, form)
     written, failures, notes = save_outputs(result, outputs, Path(shape.file), form)
     for note in notes:
         message(note)
     if written:
         message(f"wrote {', '.join(written)}")
     raise_last(failures)
-
-
-def _check(shape: Shape, outputs: Sequence[Path], form: PartForm) -> None:
-    """Refuse what cannot be written, before anything is."""
-    for output in outputs:
-        if is_for_parts(output):
-            check_part_form(output, shape, form)
-            continue
-        check_writable(output.suffix, shape)
-        if note := output_note(output.suffix, shape):
-            message(f"{output.name}: {note}")
 
 
 def _relabelled(result: Result, path: Path, label_property: str | None) -> Result:

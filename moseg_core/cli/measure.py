@@ -23,7 +23,7 @@ from rich.text import Text
 from moseg_core.cli.console import console, message, progress_reporter
 from moseg_core.cli.flags import SearchedProblemFlags, SearchFlags, ShapeFlags, SteeringFlags
 from moseg_core.cli.interrupt import Stop, stop_on_interrupt
-from moseg_core.cli.reading import read_label_property, read_shape
+from moseg_core.cli.reading import named_labels, read_label_property, read_shape
 from moseg_core.cli.request import read_search, read_statement, read_variants
 from moseg_core.components.discovery.registry import registry
 from moseg_core.components.protocols import Progress
@@ -270,10 +270,7 @@ def _of_labels(
     labelling = read_labels(path, shape, label_property=label_property)
     for note in labelling.notes:
         message(note, quiet=quiet)
-    names, labels = labelling.names, labelling.labels
-    if names is None:  # numbers, of which some may be left out
-        used, labels = np.unique(labels, return_inverse=True)
-        names, labels = tuple(map(str, used[used >= 0])), labels - np.count_nonzero(used < 0)
+    labels, names = named_labels(labelling)
     rest = len(names)
     whole = Segmentation.from_labels(shape, np.where(labels < 0, rest, labels), rest + 1)
     table = measure_parts(whole, [*names, ""], source=registry())

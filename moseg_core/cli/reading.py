@@ -110,3 +110,32 @@ def matched_labels(labelling: Labelling, names: tuple[str, ...], path: Path) -> 
     for label in used:
         index[label] = names.index(labelling.names[label])
     return index[labelling.labels]
+
+
+def named_labels(labelling: Labelling, *, before: str = "") -> tuple[IntArray, tuple[str, ...]]:
+    """Labels and their names: the file's, or the numbers that occur, which may leave some out.
+
+    Parameters
+    ----------
+    labelling : Labelling
+    before : str
+        What stands in front of a number.
+
+    Returns
+    -------
+    labels : (F,) int
+        Index into the names; -1 where there is no label.
+    names : tuple of str
+
+    Examples
+    --------
+    >>> numbers = Labelling(labels=np.array([5, -1, 2, 5]), names=None)
+    >>> labels, names = named_labels(numbers, before="label ")
+    >>> labels.tolist(), names
+    ([1, -1, 0, 1], ('label 2', 'label 5'))
+    """
+    if labelling.names is not None:
+        return labelling.labels, labelling.names
+    used, labels = np.unique(labelling.labels, return_inverse=True)
+    names = tuple(f"{before}{number}" for number in used[used >= 0])
+    return labels - np.count_nonzero(used < 0), names

@@ -5,11 +5,9 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-import numpy as np
-
 from moseg_core.cli.console import message
 from moseg_core.cli.flags import ShapeFlags
-from moseg_core.cli.reading import read_label_property, read_shape
+from moseg_core.cli.reading import named_labels, read_label_property, read_shape
 from moseg_core.cli.waiting import waiting
 from moseg_core.errors import UsageError
 from moseg_core.io import read_labels, write_file
@@ -51,15 +49,13 @@ def run_render(
     labelling = read_labels(result, shape, label_property=read_label_property(label_property))
     for note in labelling.notes:
         message(note)
-    names = labelling.names
-    if names is None:
-        names = tuple(str(k) for k in range(int(labelling.labels.max(initial=-1)) + 1))
+    labels, names = named_labels(labelling)
     geometry = drawable(shape.geometry)
     standing = find_standing(geometry, shape.up)
     with waiting("drawing"):
         picture = draw_parts(
             geometry,
-            np.asarray(labelling.labels),
+            labels,
             names,
             title=(shape.name if title is None else title) if legend else "",
             size=pixels,

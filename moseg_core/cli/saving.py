@@ -8,11 +8,32 @@ from pathlib import Path
 from moseg_core.cli.console import message
 from moseg_core.errors import MosegError, UsageError
 from moseg_core.io.files import files_of, write_files
-from moseg_core.io.part_files import PartForm, is_for_parts, part_files
+from moseg_core.io.part_files import PartForm, check_part_form, is_for_parts, part_files
+from moseg_core.io.write.formats import check_writable, output_note
 from moseg_core.search.result import Result
+from moseg_core.shape.shape import Shape
 
 #: Files of one output that are listed by name when they were written; of more it is the number.
 _LISTED = 3
+
+
+def check_saving(
+    shape: Shape, outputs: Sequence[Path], form: PartForm, *, quiet: bool = False
+) -> None:
+    """Refuse what a shape cannot be written as, and say what a user should know of the rest.
+
+    Raises
+    ------
+    UsageError, ShapeError
+        A format cannot hold such a shape, or its parts.
+    """
+    for output in outputs:
+        if is_for_parts(output):
+            check_part_form(output, shape, form)
+            continue
+        check_writable(output.suffix, shape)
+        if note := output_note(output.suffix, shape):
+            message(f"{output.name}: {note}", quiet=quiet)
 
 
 def save_outputs(

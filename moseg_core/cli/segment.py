@@ -32,7 +32,7 @@ from moseg_core.cli.request import (
     read_statement,
     read_variants,
 )
-from moseg_core.cli.saving import raise_last, save_outputs
+from moseg_core.cli.saving import check_saving, raise_last, save_outputs
 from moseg_core.cli.waiting import waiting
 from moseg_core.clipping.clip import check_clippable
 from moseg_core.components.faults import describe
@@ -41,12 +41,10 @@ from moseg_core.errors import REPORT, MosegError, PluginError, UsageError
 from moseg_core.io.files import check_any_output, check_form
 from moseg_core.io.part_files import (
     PartForm,
-    check_part_form,
     is_for_parts,
     part_paths,
 )
 from moseg_core.io.result_json import SavedResult, evaluation_document
-from moseg_core.io.write.formats import check_writable, output_note
 from moseg_core.problem.label_sets import set_text
 from moseg_core.problem.slow_calls import naming_slow_calls
 from moseg_core.problem.statement import SEPARATOR
@@ -124,13 +122,7 @@ def run_segment(
         problem.check(problem.embed(searched_part(shape, options)))
     if clipped:
         check_clippable(shape)
-    for output in outputs:
-        if is_for_parts(output):
-            check_part_form(output, shape, form)
-            continue
-        check_writable(output.suffix, shape)
-        if note := output_note(output.suffix, shape):
-            message(f"{output.name}: {note}", quiet=quiet)
+    check_saving(shape, outputs, form, quiet=quiet)
     if earlier is not None and earlier.shape.get("fingerprint") != shape.fingerprint:
         message(
             f"warning: {steering.start} is a result of another shape,"

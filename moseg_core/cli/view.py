@@ -5,11 +5,9 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-import numpy as np
-
 from moseg_core.cli.console import message
 from moseg_core.cli.flags import ShapeFlags
-from moseg_core.cli.reading import read_label_property, read_shape
+from moseg_core.cli.reading import named_labels, read_label_property, read_shape
 from moseg_core.errors import UsageError
 from moseg_core.io import read_labels, read_result, write_file
 from moseg_core.io.files import check_destination, instead_of
@@ -61,11 +59,7 @@ def _content(shape: Shape, path: Path, label_property: str | None) -> PageConten
     labelling = read_labels(path, shape, label_property=read_label_property(label_property))
     for note in labelling.notes:
         message(note)
-    labels, names = labelling.labels, labelling.names
-    if names is None:  # numbers, of which some may be left out
-        used, labels = np.unique(labels, return_inverse=True)
-        labels = labels - np.count_nonzero(used < 0)
-        names = tuple(f"label {number}" for number in used[used >= 0])
+    labels, names = named_labels(labelling, before="label ")
     saved = read_result(path) if _is_result(path) else None
     if saved is not None and saved.shape.get("fingerprint") != shape.fingerprint:
         message(f"warning: {path} is a result of another shape, '{saved.shape.get('name')}'")

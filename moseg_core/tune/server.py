@@ -154,7 +154,7 @@ class TuneServer:
                         {"text": term.call, "weight": weight, "given": term.weight}
                         for term, weight in zip(self._session.terms, weights, strict=True)
                     ],
-                    "earlier": len(self._session.results) - 1,
+                    "earlier": self._session.earlier,
                     "recipe": _named(self._destinations.recipe),
                     "example": _named(self._destinations.example),
                 }

@@ -111,10 +111,6 @@ class Session:
     ----------
     terms : tuple of Term
         The terms of the recipe, as it was given.
-    weights : tuple of float
-        Of each term, as the present result was searched with.
-    results : list of Result
-        All so far; the last is the present one.
 
     Examples
     --------
@@ -127,8 +123,8 @@ class Session:
     >>> session = Session(hammer, load_recipe("hammer"), options)
     >>> result = session.search(Wish(weights=session.weights), lambda progress: False)
     >>> heavier = Wish(weights=(9.0, *session.weights[1:]), moved={"head": 0})
-    >>> session.search(heavier, lambda progress: False) is session.results[-1]
-    True
+    >>> session.search(heavier, lambda progress: False) is session.result, session.earlier
+    (True, 1)
     >>> session.recipe().statement.minimize[:2]
     '9*'
     """
@@ -143,14 +139,23 @@ class Session:
     ) -> None:
         self.shape, self._recipe, self._options, self._sets = shape, recipe, options, sets
         self.terms: tuple[Term, ...] = parse(recipe.statement.minimize).terms
-        self.weights = tuple(term.weight for term in self.terms)
-        self.results: list[Result] = []
-        self._before: list[tuple[float, ...]] = []
+        #: The weights of each search with what it found; the last is the present one.
+        self._steps: list[tuple[tuple[float, ...], Result]] = []
+
+    @property
+    def weights(self) -> tuple[float, ...]:
+        """Of each term, as the present result was searched with; the recipe's before the first."""
+        return self._steps[-1][0] if self._steps else tuple(term.weight for term in self.terms)
 
     @property
     def result(self) -> Result:
         """The present one; there is none before the first search."""
-        return self.results[-1]
+        return self._steps[-1][1]
+
+    @property
+    def earlier(self) -> int:
+        """How many results there are before the present one."""
+        return max(0, len(self._steps) - 1)
 
     def recipe(self, weights: Sequence[float] | None = None) -> Recipe:
         """The recipe with certain weights, by default those of the present result.
@@ -193,7 +198,7 @@ class Session:
         """
         variants = Variants.of(self.recipe(wish.weights).statement, self._sets)
         options = replace(self._options, workers=workers)
-        if wish.anew or not self.results:
+        if wish.anew or not self._steps:
             result = solve_variants(self.shape, variants, options, report=report)
         else:
             start = self._moved(wish.moved)
@@ -205,9 +210,7 @@ class Session:
                 freeze=sorted(wish.moved) if wish.hold else (),
                 report=report,
             )
-        self._before.append(self.weights)
-        self.weights = wish.weights
-        self.results.append(result)
+        self._steps.append((wish.weights, result))
         return result
 
     def back(self) -> Result:
@@ -218,10 +221,9 @@ class Session:
         UsageError
             There is no result before it.
         """
-        if len(self.results) < 2:
+        if not self.earlier:
             raise UsageError("this is the first result")
-        self.results.pop()
-        self.weights = self._before.pop()
+        self._steps.pop()
         return self.result
 
     def _moved(self, moved: Mapping[str, int]) -> Result:

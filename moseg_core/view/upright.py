@@ -11,7 +11,7 @@ orientation of man-made objects", doi:10.1145/1360612.1360641):
 - it has an upright plane of *symmetry*: most things and creatures have a left and a right;
 - it is what programs write: y or z.
 
-The weights were chosen on 88 shapes of 18 kinds, creatures, furniture and tools of several
+The weights were chosen on 88 shapes of 19 kinds, creatures, furniture and tools of several
 programs, of which people can say how they stand: 68 stand that way then. The guess is
 deterministic, takes some tenths of a second, and is said to be one.
 """

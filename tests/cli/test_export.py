@@ -58,3 +58,11 @@ def test_labels_of_other_parts_are_refused(moseg, mallet, segmented, tmp_path):
     labels.write_text("2\n" * count)
     run = moseg("export", segmented, labels, "--shapes", mallet.parent, "-o", tmp_path / "x.seg")
     assert (run.code, "the result has 2 parts" in run.err) == (2, True)
+
+
+def test_what_is_read_is_not_written_over(moseg, mallet, segmented, tmp_path):
+    labels = tmp_path / "mine.seg"
+    labels.write_text("0\n")
+    run = moseg("export", segmented, labels, "-o", labels)
+    assert (run.code, "is read here" in run.err) == (2, True)
+    assert labels.read_text() == "0\n"

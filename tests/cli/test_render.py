@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+import moseg_core
 from moseg_core.cli.render import read_size
 from moseg_core.errors import UsageError
 
@@ -77,3 +78,20 @@ def test_sizes_are_read():
     assert read_size(" 900 x 400 ") == (900, 400)
     with pytest.raises(UsageError):
         read_size("-9x40")
+
+
+def test_numbers_that_are_left_out_are_no_parts(moseg, mallet, tmp_path, monkeypatch):
+    drawn = {}
+
+    def draw(geometry, labels, names, **options):
+        drawn.update(labels=labels, names=names)
+        return b"picture"
+
+    monkeypatch.setattr("moseg_core.cli.render.draw_parts", draw)
+    count = moseg_core.load(mallet).n_elements
+    labels = tmp_path / "labels.txt"
+    labels.write_text("".join(f"{3 if k % 2 else 7}\n" for k in range(count)))
+    run = moseg("render", mallet, labels, "-o", tmp_path / "x.png")
+    assert run.code == 0, run.err
+    assert drawn["names"] == ("3", "7")
+    assert drawn["labels"].tolist() == [1 - k % 2 for k in range(count)]
