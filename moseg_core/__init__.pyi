@@ -1,5 +1,10 @@
 """The public face: where each name is defined, for type checkers and for the loader."""
 
+from moseg_core.batching.driver import BatchReport as BatchReport
+from moseg_core.batching.driver import batch as batch
+from moseg_core.batching.outcome import BatchProgress as BatchProgress
+from moseg_core.batching.outcome import BatchResult as BatchResult
+from moseg_core.batching.outcome import Outcome as Outcome
 from moseg_core.clipping.clip import Clipped as Clipped
 from moseg_core.clipping.clip import clip_boundaries as clip_boundaries
 from moseg_core.components.boundary import Boundaries as Boundaries
@@ -73,6 +78,7 @@ from moseg_core.io import save as save
 from moseg_core.io import save_labels as save_labels
 from moseg_core.io import write_file as write_file
 from moseg_core.io.part_files import part_meshes as part_meshes
+from moseg_core.io.reading import Reading as Reading
 from moseg_core.io.write.names import safe_file_names as safe_file_names
 from moseg_core.io.write.part_meshes import PartMesh as PartMesh
 from moseg_core.language.table import Table as Table

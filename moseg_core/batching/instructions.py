@@ -1,0 +1,171 @@
+"""What is to be done with each shape of a batch, as plain data.
+
+Instructions are made once, checked once, before any shape is looked at, and sent to wherever shapes
+are segmented: so they are written as JSON, and read again over there. Whatever would be wrong with
+every shape (a misspelled name, a malformed expression, an impossible option) is found by
+:meth:`Instructions.check`, and refused at once.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+from typing import Any
+
+from moseg_core.components.chosen import Choice
+from moseg_core.errors import UsageError
+from moseg_core.io.part_files import PartForm
+from moseg_core.io.reading import Reading
+from moseg_core.problem.hierarchy import Hierarchy
+from moseg_core.problem.label_sets import LabelSet
+from moseg_core.problem.settings import CHOSEN_KINDS, SearchOptions
+from moseg_core.problem.statement import Statement
+from moseg_core.problem.variants import Variants
+from moseg_core.search.clipped_result import check_components
+from moseg_core.search.levels import check_hierarchy
+from moseg_core.search.number_of_parts import numbers_to_try
+from moseg_core.search.segment import prepare_components
+from moseg_core.search.variants import check_variants
+
+
+@dataclass(frozen=True, kw_only=True)
+class Instructions:
+    """What is to be done with each shape.
+
+    Parameters
+    ----------
+    statement : Statement
+        What to look for.
+    sets : tuple of tuple of str, optional
+        Label sets to choose among, where they are not all that the statement's labels stand for.
+    n_parts : int, str or None
+        How many parts there are, or "auto", for a statement that leaves their number open.
+    options : SearchOptions
+        How to search. The number of processes is always one: a batch has its own.
+    reading : Reading
+        How to read a shape.
+    clip : bool
+        Whether boundaries are clipped.
+    form : PartForm
+        What is written of single parts.
+
+    Examples
+    --------
+    >>> stated = Statement(labels=("a", "b"), minimize="narrow(a)")
+    >>> given = Instructions(statement=stated, options=SearchOptions(seed=3, seeder="kmeans"))
+    >>> Instructions.read(given.document()) == given
+    True
+    """
+
+    statement: Statement
+    sets: tuple[LabelSet, ...] | None = None
+    n_parts: int | str | None = None
+    options: SearchOptions = field(default_factory=SearchOptions)
+    reading: Reading = field(default_factory=Reading)
+    clip: bool = False
+    form: PartForm = field(default_factory=PartForm)
+
+    def document(self) -> dict[str, Any]:
+        """The same as plain data, for JSON.
+
+        Raises
+        ------
+        UsageError
+            A component that is not installed, which no other process could find.
+        """
+        default = SearchOptions()
+        options: dict[str, Any] = {}
+        for option in fields(self.options):
+            value = getattr(self.options, option.name)
+            if option.name == "workers" or value == getattr(default, option.name):
+                continue
+            if isinstance(value, Choice):
+                if value.target is not None:
+                    raise UsageError(
+                        f"{option.name} '{value.name}' is not installed, and the processes of a"
+                        f" batch could not find it; make a bundle of it, see 'moseg plugin new'"
+                    )
+                value = str(value)
+            options[option.name] = value
+        return {
+            "statement": self.statement.document(),
+            "sets": None if self.sets is None else [list(names) for names in self.sets],
+            "n_parts": self.n_parts,
+            "options": options,
+            "reading": self.reading.document(),
+            "clip": self.clip,
+            "form": {f.name: getattr(self.form, f.name) for f in fields(self.form)},
+        }
+
+    @classmethod
+    def read(cls, document: Mapping[str, Any]) -> Instructions:
+        """Inverse of :meth:`document`."""
+        sets = document["sets"]
+        return cls(
+            statement=Statement.read(document["statement"]),
+            sets=None if sets is None else tuple(map(tuple, sets)),
+            n_parts=document["n_parts"],
+            options=SearchOptions(**document["options"]),
+            reading=Reading.of(document["reading"]),
+            clip=document["clip"],
+            form=PartForm(**document["form"]),
+        )
+
+    def text(self) -> str:
+        """The same as one line of JSON, equal for equal instructions."""
+        return json.dumps(self.document(), sort_keys=True, allow_nan=False)
+
+    def problems(self) -> tuple[Hierarchy, ...]:
+        """All problems that may be solved for a shape, one for each label set or number of parts.
+
+        Raises
+        ------
+        UsageError, PluginError
+            As for :class:`moseg_core.Problem`.
+        """
+        if self.n_parts is None:
+            return self.variants().tasks
+        numbers = numbers_to_try(self.statement, self.n_parts)
+        return tuple(Hierarchy.of(self.statement.with_parts(number)) for number in numbers)
+
+    def variants(self) -> Variants:
+        """The label sets, with names looked up; only where the number of parts is not open."""
+        return Variants.of(self.statement, self.sets)
+
+    def check(self) -> None:
+        """Refuse what would be wrong with every shape.
+
+        Raises
+        ------
+        UsageError, PluginError
+            As for :func:`moseg_core.segment`, shapes apart.
+        """
+        self.document()
+        tasks = self.problems()
+        if self.n_parts is None:
+            check_variants(self.variants(), self.options)
+        else:
+            for task in tasks:
+                check_hierarchy(task, self.options)
+        if not self.clip:
+            return
+        for task in tasks:
+            check_components(prepare_components(task.problem, self.options.settled(task.search)))
+            if task.children:
+                raise UsageError("boundaries can be clipped for results of one level only, so far")
+
+    def components(self) -> dict[str, str]:
+        """Ids of the components that take part, each with the distribution that it is of."""
+        found: dict[str, str] = {}
+        for task in self.problems():
+            for _, level in task.levels():
+                problem = level.problem
+                settled = self.options.settled(level.search)
+                found |= problem.versions
+                for kind in CHOSEN_KINDS:
+                    choice = getattr(settled, kind)
+                    if choice is not None:
+                        component = choice.component(kind, problem.registry)
+                        found[component.id] = component.distribution
+        return dict(sorted(found.items()))
