@@ -276,6 +276,7 @@ class _Run:
         self._began = time.monotonic()
         self._at_work: dict[Future[Outcome], Job] = {}
         self._hand_outs: dict[str, int] = {}
+        self._news: list[Outcome] = []
 
     def carry_out(
         self, jobs: Iterator[Job], pool: Executor, most: int, *, retry_failed: bool
@@ -318,6 +319,7 @@ class _Run:
         if kept:
             self.outcomes[job.shape] = before
             self._kept += 1
+            self._news.append(before)
         return bool(kept)
 
     def _finished(self, future: Future[Outcome]) -> list[Job]:
@@ -343,6 +345,7 @@ class _Run:
             )
         self._ledger.add(outcome)
         self.outcomes[outcome.shape] = outcome
+        self._news.append(outcome)
         self._counts[outcome.kind] = self._counts.get(outcome.kind, 0) + 1
         return []
 
@@ -354,7 +357,9 @@ class _Run:
             counts=dict(self._counts),
             at_work=tuple(job.shape for job in self._at_work.values()),
             seconds=time.monotonic() - self._began,
+            news=tuple(self._news),
         )
+        self._news = []
         return bool(self._report(progress))
 
 

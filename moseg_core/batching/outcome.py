@@ -166,6 +166,8 @@ class BatchProgress:
         Shapes that were handed out and are not done.
     seconds : float
         Since this run began.
+    news : tuple of Outcome
+        What has come in since the last report; first of all what an earlier run had done.
     """
 
     total: int
@@ -173,6 +175,7 @@ class BatchProgress:
     counts: Mapping[str, int]
     at_work: tuple[str, ...]
     seconds: float
+    news: tuple[Outcome, ...] = ()
 
     @property
     def done(self) -> int:

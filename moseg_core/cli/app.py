@@ -12,6 +12,7 @@ from cyclopts import App, Parameter
 from moseg_core.cli.collection import importing
 from moseg_core.cli.examples import show_examples
 from moseg_core.cli.flags import (
+    BatchFlags,
     Flag,
     PartFlags,
     ProblemFlags,
@@ -48,6 +49,7 @@ _SHAPE_AS_READ = ShapeFlags()
 _DEFAULT_SEARCH = SearchFlags()
 _NO_STEERING = SteeringFlags()
 _PARTS_AS_CUT = PartFlags()
+_NO_LIMITS = BatchFlags()
 
 
 @app.command
@@ -113,6 +115,70 @@ def segment(
             as_json=json,
             quiet=quiet,
         )
+
+
+@app.command
+def batch(
+    *shapes: str,
+    problem: SearchedProblemFlags = _NO_SEARCHED_PROBLEM,
+    reading: ShapeFlags = _SHAPE_AS_READ,
+    search: SearchFlags = _DEFAULT_SEARCH,
+    limits: BatchFlags = _NO_LIMITS,
+    clip: Flag = False,
+    out: Annotated[
+        list[Path] | None,
+        Parameter(
+            name=["--out", "-o"],
+            negative=(),
+            help="Folder for the results, a .json file for each shape, and the ledger; made where"
+            " it lacks. Repeatable: with {shape} in its path another file for each shape, in any"
+            " format of moseg segment: -o 'out/{shape}.glb', -o 'out/{shape}/{part}.stl'.",
+        ),
+    ] = None,
+    part_files: PartFlags = _PARTS_AS_CUT,
+    json: Flag = False,
+    quiet: Flag = False,
+) -> None:
+    """Segment many shapes, each in a guarded process; what fails harms no other.
+
+    A shape that crashes, hangs or takes too much memory is named at the end, with what it died of
+    (docs/batch.md). A batch that was ended, however, goes on with --resume.
+
+    Examples
+    --------
+    moseg batch 'models/*.off' --recipe fourleg -o out --timeout 600 --memory 4
+
+    moseg batch 'models/*.off' --recipe fourleg -o out --resume
+
+    moseg batch scans/*.ply --recipe ant.toml -o out -o 'out/{shape}.glb' && moseg measure out
+
+    Parameters
+    ----------
+    shapes
+        Meshes, point clouds or voxel grids: files, or patterns in quotes, also with ** for folders
+        below.
+    clip
+        Cut the faces at boundaries, so that these are smooth, in meshes and pictures.
+    json
+        Print every outcome as JSON instead of a table.
+    quiet
+        Print no messages, progress or tables.
+    """
+    with importing(), waiting("starting", quiet=quiet):
+        from moseg_core.cli.batch import run_batch_command
+
+    run_batch_command(
+        shapes,
+        problem_flags=problem,
+        reading=reading,
+        search=search,
+        limits=limits,
+        clipped=clip,
+        outputs=out or [],
+        part_flags=part_files,
+        as_json=json,
+        quiet=quiet,
+    )
 
 
 @app.command
@@ -462,6 +528,8 @@ def measure(
 
     moseg measure results/*.json --shapes scans -o parts.csv
 
+    moseg measure out -o parts.csv
+
     moseg measure cup.off=cup_labels.txt -o parts.tsv
 
     moseg measure *.off --recipe ant.toml --keep results -o ants.csv
@@ -469,9 +537,10 @@ def measure(
     Parameters
     ----------
     sources
-        Results (.json); shapes with their labels, SHAPE=LABELS; shapes that bear labels (PLY, OBJ,
-        STL, GLB). With a recipe also shapes without labels, which are segmented first, one after
-        the other; of shapes that bear labels only those of PLY files count then.
+        Results (.json), or the folder of a batch; shapes with their labels, SHAPE=LABELS; shapes
+        that bear labels (PLY, OBJ, STL, GLB). With a recipe also shapes without labels, which are
+        segmented first, one after the other; of shapes that bear labels only those of PLY files
+        count then.
     shapes
         Folder in which the shapes of results are looked for, besides where they were when they were
         segmented, and beside the results.

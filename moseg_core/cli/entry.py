@@ -13,10 +13,21 @@ from moseg_core.errors import MosegError, Terminated, UsageError
 
 #: Commands that import so much that a terminal is told at once that something goes on.
 _SLOW_TO_START = (
-    *("segment", "learn", "tune", "view", "render", "explain", "evaluate", "field", "benchmark"),
+    *(
+        "segment",
+        "batch",
+        "learn",
+        "tune",
+        "view",
+        "render",
+        "explain",
+        "evaluate",
+        "field",
+        "benchmark",
+    ),
 )
 #: Commands that people give many shapes.
-_OF_ONE_SHAPE = ("segment", "tune", "view", "render", "explain", "field")
+_OF_ONE_SHAPE = ("tune", "view", "render", "explain", "field")
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -74,6 +85,11 @@ def _obey(arguments: Sequence[str]) -> None:
 def _left_over(command: str, words: Sequence[str]) -> str:
     """The message about words that a command has no use for."""
     more = ", ".join(f"'{word}'" for word in words[:3]) + (", ..." if len(words) > 3 else "")
+    if command == "segment":
+        return (
+            f"'segment' takes one shape at a time, and has no use for {more}; for many there is"
+            f" 'batch', such as: moseg batch 'models/*.off' --recipe NAME -o out"
+        )
     if command in _OF_ONE_SHAPE:
         return (
             f"'{command}' takes one shape at a time, and has no use for {more}; for many write a"

@@ -22,6 +22,7 @@ _READ = Group.create_ordered("How to read the shape")
 _SEARCHED = Group.create_ordered("How to search")
 _KNOWN = Group.create_ordered("What is known of this shape")
 _PARTS = Group.create_ordered("Files of single parts")
+_LIMITED = Group.create_ordered("What each shape may take, and what is done again")
 
 
 @Parameter(name="*", group=_LOOKED_FOR)
@@ -206,3 +207,26 @@ class PartFlags:
     close: Flag = False
     hulls: Flag = False
     hull_vertices: int | None = None
+
+
+@Parameter(name="*", group=_LIMITED)
+@dataclass(frozen=True, kw_only=True)
+class BatchFlags:
+    """What each shape of a batch may take, and what is done again.
+
+    Parameters
+    ----------
+    timeout
+        Seconds that a shape may take; it is then ended, and has failed. No limit by default.
+    memory
+        GB of memory that a shape may take, .5 or more. No limit by default.
+    resume
+        Go on with the batch in the folder: do what is missing, or has changed since.
+    retry_failed
+        The same, and do again what has failed.
+    """
+
+    timeout: float | None = None
+    memory: float | None = None
+    resume: Flag = False
+    retry_failed: Flag = False

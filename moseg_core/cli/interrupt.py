@@ -19,10 +19,16 @@ class Stop:
     """Whether the user, or the system, has asked to stop; and how.
 
     Called, it tells whether. :meth:`ended` is the exception that the command ends with.
+
+    Parameters
+    ----------
+    finishing : str
+        What is done when the first signal comes.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, finishing: str) -> None:
         self._number: int | None = None
+        self._finishing = finishing
 
     def __call__(self) -> bool:
         """Whether to stop."""
@@ -34,7 +40,7 @@ class Stop:
             raise self._exception(number)
         self._number = number
         what = "told to end" if number == signal.SIGTERM else "interrupted"
-        message(f"{what}; finishing with the best so far (once more to end at once)")
+        message(f"{what}; finishing {self._finishing} (once more to end at once)")
 
     def ended(self) -> KeyboardInterrupt:
         """The exception that tells how the run was ended."""
@@ -46,15 +52,17 @@ class Stop:
 
 
 @contextmanager
-def stop_on_interrupt(*, wanted: bool) -> Iterator[Stop]:
+def stop_on_interrupt(*, wanted: bool, finishing: str = "with the best so far") -> Iterator[Stop]:
     """A :class:`Stop` that tells whether to stop.
 
     Parameters
     ----------
     wanted : bool
         Whether a result cut short is of use; otherwise both signals end the program as ever.
+    finishing : str
+        What is done when the first signal comes, for the message.
     """
-    stop = Stop()
+    stop = Stop(finishing)
     if not wanted:
         yield stop
         return

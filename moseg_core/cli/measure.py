@@ -20,6 +20,8 @@ import numpy as np
 from rich.table import Table
 from rich.text import Text
 
+from moseg_core.batching.jobs import shape_stem
+from moseg_core.batching.ledger import is_batch, results_in
 from moseg_core.cli.console import console, message, progress_reporter
 from moseg_core.cli.flags import SearchedProblemFlags, SearchFlags, ShapeFlags, SteeringFlags
 from moseg_core.cli.interrupt import Stop, stop_on_interrupt
@@ -118,6 +120,7 @@ def run_measure(
             "there is nothing to measure; give results (.json), SHAPE=LABELS, or shapes and a"
             " --recipe"
         )
+    words = [file for word in words for file in _of_batch(word)]
     for output in outputs:
         if output.suffix.lower() not in FORMATS:
             raise UsageError(f"a table is written as {', '.join(FORMATS)}, not to '{output}'")
@@ -224,8 +227,14 @@ def _measured(
     for warning in result.warnings:
         message(f"{path.name}: warning: {warning}", quiet=quiet)
     if keep is not None:
-        write_files(files_of(result, keep / f"{_stem(path)}.json"))
+        write_files(files_of(result, keep / f"{shape_stem(path)}.json"))
     return result.table()
+
+
+def _of_batch(word: str) -> list[str]:
+    """The results of a batch, where a word is its folder; else the word."""
+    folder = Path(word)
+    return [str(file) for file in results_in(folder)] if is_batch(folder) else [word]
 
 
 def _files(word: str, finder: Finder | None) -> tuple[Path, Path | None]:
@@ -299,7 +308,7 @@ def _check_kept(folder: Path, words: Sequence[str], finder: Finder | None) -> No
     if not folder.parent.is_dir():
         raise UsageError(f"--keep '{folder}': there is no folder '{folder.parent}'")
     paths = [path for path, labels in (_files(w, finder) for w in words) if labels in (None, path)]
-    stems = Counter(_stem(path).lower() for path in paths if path.suffix.lower() != ".json")
+    stems = Counter(shape_stem(path).lower() for path in paths if path.suffix.lower() != ".json")
     twice = [stem for stem, count in stems.items() if count > 1]
     if twice:
         raise UsageError(
@@ -310,13 +319,6 @@ def _check_kept(folder: Path, words: Sequence[str], finder: Finder | None) -> No
         folder.mkdir(exist_ok=True)
     except OSError as error:
         raise UsageError(f"--keep: '{folder}' cannot be made: {error.strerror}") from error
-
-
-def _stem(path: Path) -> str:
-    """The name of a file without the suffix that its reader goes by."""
-    name = path.name.lower()
-    known = [suffix for suffix in registry().suffixes("reader") if name.endswith(suffix)]
-    return path.name[: -len(max(known, key=len))] if known else path.stem
 
 
 def _printed(table: PartTable) -> Table:

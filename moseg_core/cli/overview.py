@@ -24,6 +24,7 @@ VERSION_LINE = f"moseg {VERSION}"
 #: What there is to ask for, in the order of use, with what each does: the first line of its help.
 ENTRIES = {
     "segment": "Cut a shape into named parts.",
+    "batch": "Segment many shapes, each in a guarded process; what fails harms no other.",
     "learn": "Make a recipe of labelled examples.",
     "tune": "Find the words for a shape by looking: sliders for weights, centres moved by hand.",
     "view": "Turn a labelled shape in the browser: parts, areas, costs; a click places a centre.",

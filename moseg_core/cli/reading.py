@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import math
+from dataclasses import fields
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from moseg_core.cli.flags import ShapeFlags
 from moseg_core.cli.waiting import waiting
 from moseg_core.errors import UsageError, unknown
-from moseg_core.io import Labelling, load
-from moseg_core.shape.mesh import PolygonMesh
+from moseg_core.io import Labelling
+from moseg_core.io.reading import Reading
 from moseg_core.shape.shape import Shape
 from moseg_core.types import IntArray
 
@@ -72,17 +74,20 @@ def read_shape(path: Path, flags: ShapeFlags, *, quiet: bool = False) -> Shape:
         A pitch that is not understood.
     """
     with waiting(f"reading {path.name}", quiet=quiet):
-        shape = load(path)
-        if flags.weld is not None and isinstance(shape.geometry, PolygonMesh):
-            shape = shape.with_weld(flags.weld)
-        if flags.voxels == "surface" and shape.solid:
-            shape = shape.with_elements("surface")
-        if flags.pitch is not None:
-            shape = shape.with_pitch(read_pitch(flags.pitch))
-        if flags.up is not None:
-            shape = shape.with_up(flags.up)
-        shape = shape.with_adjacency(flags.adjacency)
-        return shape if flags.volume is None else shape.with_volume(flags.volume)
+        return reading_of(flags).read(path)
+
+
+def reading_of(flags: ShapeFlags) -> Reading:
+    """What the options say of how to read a shape, read themselves.
+
+    Raises
+    ------
+    UsageError
+        A pitch that is not understood.
+    """
+    given: Any = {field.name: getattr(flags, field.name) for field in fields(flags)}
+    pitch = None if flags.pitch is None else tuple(read_pitch(flags.pitch))
+    return Reading(**{**given, "pitch": pitch})
 
 
 def matched_labels(labelling: Labelling, names: tuple[str, ...], path: Path) -> IntArray:
