@@ -230,12 +230,17 @@ def run_batch(
     instructions.check()
     paths = expand_shapes(shapes)
     names = shape_names(paths)
-    make_folder(folder)
-    check_outputs(folder, templates, paths, names)
-    check_form(
-        instructions.form,
-        [Path(template.replace(PLACE, names[0])) for template in templates],
-    )
+    made = make_folder(folder)
+    try:
+        check_outputs(folder, templates, paths, names)
+        check_form(
+            instructions.form,
+            [Path(template.replace(PLACE, names[0])) for template in templates],
+        )
+    except MosegError:
+        if made:
+            folder.rmdir()
+        raise
     with Ledger(folder, resume=resume) as ledger:
         _sweep(folder, templates, names)
         jobs = _jobs(paths, names, instructions, folder, templates, limits)
@@ -246,8 +251,8 @@ def run_batch(
     return BatchResult(folder=folder, outcomes=outcomes, total=len(paths), stopped=run.stopped)
 
 
-def make_folder(folder: Path) -> None:
-    """Make the folder of a batch where it lacks.
+def make_folder(folder: Path) -> bool:
+    """Make the folder of a batch where it lacks; whether it lacked.
 
     Raises
     ------
@@ -259,9 +264,12 @@ def make_folder(folder: Path) -> None:
     if not folder.parent.is_dir():
         raise UsageError(f"'{folder}': there is no folder '{folder.parent}'")
     try:
-        folder.mkdir(exist_ok=True)
+        folder.mkdir()
+    except FileExistsError:
+        return False
     except OSError as error:
         raise UsageError(f"'{folder}' cannot be made: {error.strerror}") from error
+    return True
 
 
 class _Run:
