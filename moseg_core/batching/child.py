@@ -52,6 +52,7 @@ def main(arguments: list[str]) -> None:
         os.set_inheritable(descriptor, False)  # what components start has no part in this
     faulthandler.enable(file=crashes, all_threads=False)
 
+    gc.disable()  # nothing of what is imported goes away again
     from moseg_core.batching.compilation import telling_of_compiling
     from moseg_core.batching.solving import do_job
     from moseg_core.batching.versions import own_versions
@@ -60,8 +61,8 @@ def main(arguments: list[str]) -> None:
     memory = (ctypes.c_char * SIZE).from_buffer(mmap.mmap(notes, SIZE))
     note_in(memory)
     send(answers, {"kind": "hello", "versions": own_versions()})
-    gc.collect()
     gc.freeze()
+    gc.enable()
     inbox = Inbox(requests)
     with telling_of_compiling(partial(_tell, answers)):
         while (request := inbox.receive()) is not None:

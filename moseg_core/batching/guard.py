@@ -108,6 +108,7 @@ class GuardedChild:
                 env={**os.environ, **_ONE_THREAD},
             )
         except OSError as error:
+            self._close()
             raise MosegError(f"a child process cannot be started: {error}") from error
         finally:
             os.close(theirs)
@@ -170,6 +171,9 @@ class GuardedChild:
     def end(self) -> None:
         """End the child and what it has started; may be called from any thread, and again."""
         self._kill()
+        self._close()
+
+    def _close(self) -> None:
         for close in (self._memory.close, self._notes.close, self._crashes.close):
             close()
         for name in ("_requests", "_answers"):

@@ -117,16 +117,25 @@ class Ledger:
             self._file = self._path.open("a+b")
         except OSError as error:
             raise MosegError(f"cannot write '{self._path}': {error.strerror}") from error
-        self._lock()
+        try:
+            self._lock()
+            self.by_key = self._go_on()
+        except MosegError:
+            self._file.close()
+            raise
+
+    def _go_on(self) -> dict[str, Outcome]:
+        """What is there by keys, the last of each; a torn line is cut off, a first one written."""
         self._file.seek(0)
         data = self._file.read()
         whole = data[: data.rfind(b"\n") + 1]
+        found = {outcome.key: outcome for outcome in _outcomes(self._path, whole)}
         if len(whole) < len(data):
             self._file.truncate(len(whole))
-        self.by_key: dict[str, Outcome] = {o.key: o for o in _outcomes(self._path, whole)}
         if not whole:
             self._append({"ledger": FORMAT})
-            _settle_folder(folder)
+            _settle_folder(self._path.parent)
+        return found
 
     def __enter__(self) -> Self:
         return self
@@ -169,7 +178,6 @@ class Ledger:
         try:
             fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
-            self._file.close()
             raise MosegError(
                 f"another process is at work on the batch in '{self._path.parent}'; wait for it, or"
                 f" give another folder"

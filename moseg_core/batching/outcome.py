@@ -87,7 +87,9 @@ class Outcome:
         """The same as plain data, what says nothing left out."""
         always = ("shape", "key", "kind")
         plain = {k: list(v) if isinstance(v, tuple) else v for k, v in asdict(self).items()}
-        return {k: v for k, v in plain.items() if k in always or v not in (None, "", [], 0.0)}
+        if plain["seconds"] == 0.0:
+            del plain["seconds"]
+        return {k: v for k, v in plain.items() if k in always or v not in (None, "", [])}
 
     @classmethod
     def read(cls, document: Mapping[str, Any]) -> Outcome:

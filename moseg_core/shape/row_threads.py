@@ -4,6 +4,8 @@ Partitions and sums of a batch of labellings do not depend on each other, and ea
 its own rows of an array. Threads are made for the batch and gone with it, so that a process may be
 copied in between (:mod:`moseg_core.search.workers`). To make one takes about as long as a kernel
 takes for a thousand elements; so small batches are done without.
+
+``OMP_NUM_THREADS``, by which libraries are told how many threads they may have, counts here too.
 """
 
 from __future__ import annotations
@@ -41,7 +43,7 @@ def over_rows(work: Callable[[int, int], None], count: int, *, seconds: float) -
     >>> sorted(done)
     [0, 1, 2, 3, 4]
     """
-    threads = min(count, available_processors())
+    threads = min(count, available_processors(), _allowed())
     if threads < 2 or seconds < _WORTH_THREADS:
         work(0, count)
         return
@@ -51,3 +53,9 @@ def over_rows(work: Callable[[int, int], None], count: int, *, seconds: float) -
         work(*ends[:2])
         for other in others:
             other.result()
+
+
+def _allowed() -> int:
+    """Threads that whoever started this process lets libraries have."""
+    said = os.environ.get("OMP_NUM_THREADS", "")
+    return max(1, int(said)) if said.isascii() and said.isdigit() else available_processors()
