@@ -68,6 +68,8 @@ def test_words_that_are_left_over(moseg):
     assert run.err.startswith(
         "moseg: 'segment' takes one shape at a time, and has no use for 'b.ply'"
     )
-    assert 'for f in *.ply; do moseg segment "$f" ... ; done' in run.err
+    assert "moseg batch 'models/*.off' --recipe NAME -o out" in run.err
+    run = moseg("explain", "a.json", "b.json")
+    assert 'for f in *.ply; do moseg explain "$f" ... ; done' in run.err
     run = moseg("recipes", "a", "b")
     assert run.err == "moseg: 'recipes' has no use for 'b' (see 'moseg recipes --help')\n"

@@ -10,6 +10,11 @@ from moseg_core.shape import row_threads
 from moseg_core.shape.row_threads import over_rows
 
 
+@pytest.fixture(autouse=True)
+def nothing_said(monkeypatch):
+    monkeypatch.delenv("OMP_NUM_THREADS", raising=False)
+
+
 @pytest.fixture(params=[1, 2, 3, 7])
 def processors(request, monkeypatch):
     monkeypatch.setattr(row_threads, "available_processors", lambda: request.param)
@@ -59,3 +64,12 @@ def test_what_a_stretch_raises_comes_through_when_all_are_done(monkeypatch, bad)
 
 def test_there_is_a_processor():
     assert row_threads.available_processors() >= 1
+
+
+@pytest.mark.parametrize(("said", "count"), [("1", 1), ("2", 2), ("9", 3), ("0", 1), ("x", 3)])
+def test_no_more_threads_than_libraries_are_allowed(monkeypatch, said, count):
+    monkeypatch.setattr(row_threads, "available_processors", lambda: 3)
+    monkeypatch.setenv("OMP_NUM_THREADS", said)
+    stretches = []
+    over_rows(lambda first, end: stretches.append((first, end)), 6, seconds=1.0)
+    assert len(stretches) == count
