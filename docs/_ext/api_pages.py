@@ -28,6 +28,7 @@ ROOMS = {
     "shape": "Shapes",
     "problem": "Problems and recipes",
     "search": "Searching",
+    "batching": "Many shapes",
     "clipping": "Boundaries below the mesh's resolution",
     "components": "Components and their authors",
     "language": "Values in expressions",

@@ -193,7 +193,8 @@ class GuardedChild:
                 return
             with contextlib.suppress(ProcessLookupError, PermissionError):
                 os.killpg(self._process.pid, signal.SIGKILL)
-            self._process.wait()
+            with contextlib.suppress(subprocess.TimeoutExpired):  # stuck in the kernel
+                self._process.wait(5 * _TO_END)
 
     def _over(self) -> bool:
         """Whether the process has ended; it is not waited for, so that its number stays its own."""

@@ -23,6 +23,8 @@ from moseg_core.batching.outcome import Outcome
 from moseg_core.batching.versions import difference
 from moseg_core.errors import MosegError, UsageError
 
+#: Jobs after which a child is as old as it gets: what it has kept of them is given back.
+_MOST_JOBS = 250
 #: How often a job is begun whose children are killed by others.
 _MOST_ATTEMPTS = 4
 
@@ -41,7 +43,7 @@ class _Keeper:
 
     def child(self) -> GuardedChild:
         """The child, started where there is none."""
-        if self._child is not None and not self._child.alive:
+        if self._child is not None and (self._child.jobs >= _MOST_JOBS or not self._child.alive):
             self.drop()
         if self._child is None:
             if self._closed:
@@ -139,6 +141,15 @@ def forget_children(threads: list[int]) -> None:
         keeper = _keepers.pop(thread, None)
         if keeper is not None:
             keeper.drop()
+
+
+def release_children() -> None:
+    """End all children of this process, which are idle; later jobs start others.
+
+    For processes that outlive a batch, such as the workers of a cluster, when it is over.
+    """
+    for keeper in list(_keepers.values()):
+        keeper.drop()
 
 
 def _request(job: Job) -> dict[str, Any]:

@@ -245,19 +245,23 @@ def progress_of_batch(
         yield _lines(clock)
         return
     bars = Bars(
-        TextColumn("{task.completed:.0f} of {task.total:.0f}"),
+        TextColumn("{task.fields[count]}"),
         BarColumn(),
         TextColumn("{task.description}"),
         console=console(sys.stderr),
         transient=True,
         auto_refresh=False,
     )
-    task = bars.add_task("looking at the shapes", total=None)
+    task = bars.add_task("looking at the shapes", total=None, count="")
 
     def report(progress: BatchProgress) -> bool:
         _tell_failures(progress)
         bars.update(
-            task, total=progress.total, completed=progress.done, description=_state(progress)
+            task,
+            total=progress.total,
+            completed=progress.done,
+            description=_state(progress),
+            count=f"{progress.done} of {progress.total}",
         )
         bars.refresh()
         return False

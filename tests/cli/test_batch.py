@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -123,6 +124,19 @@ def test_options_become_instructions():
     counted = read(labels="top,leg{3..4}", minimize="flat(top) + narrow(leg*)")
     assert [len(names) for names in counted.sets] == [4, 5]
     assert [task.labels for task in counted.problems()] == list(counted.sets)
+
+
+def test_a_terminal_has_a_bar(monkeypatch):
+    class Terminal(io.StringIO):
+        def isatty(self):
+            return True
+
+    terminal = Terminal()
+    monkeypatch.setattr("sys.stderr", terminal)
+    with progress_of_batch(quiet=False) as report:
+        report(BatchProgress(total=20, kept=0, counts={"ok": 3}, at_work=(), seconds=3.0))
+    assert "3 of 20" in terminal.getvalue()
+    assert "3 ok, about 17 s left" in terminal.getvalue()
 
 
 def test_progress_is_told_line_by_line_off_a_terminal(capsys):
