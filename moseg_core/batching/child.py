@@ -18,6 +18,7 @@ import gc
 import mmap
 import os
 import random
+import resource
 import signal
 import sys
 import threading
@@ -117,7 +118,11 @@ def _watch(guard: int) -> None:
 
 
 def _be_first_to_go() -> None:
-    """Ask the kernel to end this process, and no other, when the machine's memory runs out."""
+    """Ask the kernel to end this process, and no other, when the machine's memory runs out.
+
+    Nor is what it had in memory written to the user's folder when it crashes.
+    """
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     try:
         with open("/proc/self/oom_score_adj", "w", encoding="ascii") as file:
             file.write("1000")

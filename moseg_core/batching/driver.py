@@ -351,6 +351,14 @@ class _Run:
                 message=f"the worker that had it was lost {tried} times"
                 f" ({type(error).__name__}: {' '.join(str(error).split())[:200]})",
             )
+        if outcome.ok and not all((self._folder / file).is_file() for file in outcome.files):
+            outcome = replace(
+                outcome,
+                kind="failed",
+                message=f"its files are not in '{self._folder}', though they were written where the"
+                " job was done; all workers of a batch have to see the same files",
+                files=(),
+            )
         self._ledger.add(outcome)
         self.outcomes[outcome.shape] = outcome
         self._news.append(outcome)
@@ -389,6 +397,7 @@ def _jobs(
         outputs=(),
         instructions=text,
         key="",
+        seed=instructions.options.seed,
         versions=own_versions(),
         timeout=limits.timeout,
         memory=None if limits.memory is None else limits.memory * 1e9,

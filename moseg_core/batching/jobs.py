@@ -51,6 +51,8 @@ class Job:
     instructions : str
         What is to be done, as JSON (:class:`moseg_core.batching.instructions.Instructions`).
     key : str
+    seed : int
+        For the global random generators, which moseg does not use, but components may.
     versions : mapping of str to str
         What has to be installed wherever the job is done; empty for no matter.
     timeout : float or None
@@ -65,6 +67,7 @@ class Job:
     outputs: tuple[str, ...]
     instructions: str
     key: str
+    seed: int = 0
     versions: Mapping[str, str] = field(default_factory=dict)
     timeout: float | None = None
     memory: float | None = None

@@ -10,7 +10,6 @@ outside (by hand, by the system) says nothing of the shape, and the job is done 
 
 from __future__ import annotations
 
-import json
 import os
 import platform
 import signal
@@ -153,13 +152,12 @@ def release_children() -> None:
 
 
 def _request(job: Job) -> dict[str, Any]:
-    seed = json.loads(job.instructions)["options"].get("seed", 0)
     return {
         "shape": job.shape,
         "here": job.here,
         "outputs": list(job.outputs),
         "instructions": job.instructions,
-        "seed": seed,
+        "seed": job.seed,
     }
 
 

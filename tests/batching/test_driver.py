@@ -156,6 +156,20 @@ def test_a_job_whose_worker_is_lost_is_handed_out_again(shape_folder):
     assert job.versions["moseg-core"]
 
 
+def test_a_result_that_nobody_sees_is_none(shape_folder):
+    write_shape(shape_folder, "a")
+
+    def elsewhere(job):
+        outcome = sound(job)
+        Path(job.outputs[0]).unlink()
+        return outcome
+
+    with Unreliable(elsewhere, 0) as pool:
+        done = plain(["models/*.off"], PLAIN, "out", executor=pool)
+    assert done.counts == {"failed": 1}
+    assert "all workers of a batch have to see the same files" in done.failed[0].message
+
+
 def test_other_versions_over_there_end_the_batch(shape_folder):
     write_shape(shape_folder, "a")
 
@@ -250,7 +264,9 @@ def rows_of(folder: Path) -> int:
     return path.read_bytes().count(b"\n") - 1 if path.exists() else 0
 
 
-@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGINT])
+@pytest.mark.parametrize(
+    "number", [signal.SIGKILL, pytest.param(signal.SIGINT, marks=pytest.mark.slow)]
+)
 def test_a_driver_that_is_ended_leaves_no_orphan_and_can_be_gone_on_with(
     planted_bundle, shape_folder, number
 ):

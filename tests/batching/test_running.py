@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import pickle
 import threading
 
@@ -18,8 +17,9 @@ JOB = Job(
     here="/here",
     folder="/here/out",
     outputs=("/here/out/a.json",),
-    instructions=json.dumps({"options": {"seed": 5}}),
+    instructions="{}",
     key="0f",
+    seed=5,
     versions={"numpy": "2.1"},
 )
 OK = {"kind": "ok", "files": ["/here/out/a.json"], "seconds": 1.0, "cost": 0.5, "parts": ["a"]}
