@@ -28,6 +28,9 @@ from moseg_core.search.number_of_parts import numbers_to_try
 from moseg_core.search.segment import prepare_components
 from moseg_core.search.variants import check_variants
 
+#: What JSON says as it is, as far as parameters are made of it.
+_JSON = (str, int, float, list)
+
 
 @dataclass(frozen=True, kw_only=True)
 class Instructions:
@@ -86,10 +89,10 @@ class Instructions:
                         f"{option.name} '{value.name}' is not installed, and the processes of a"
                         f" batch could not find it; make a bundle of it, see 'moseg plugin new'"
                     )
-                value = str(value)
+                value = _plain(value)
             options[option.name] = value
         return {
-            "statement": self.statement.document(),
+            "statement": _exact(self.statement),
             "sets": None if self.sets is None else [list(names) for names in self.sets],
             "n_parts": self.n_parts,
             "options": options,
@@ -113,8 +116,8 @@ class Instructions:
         )
 
     def text(self) -> str:
-        """The same as one line of JSON, equal for equal instructions."""
-        return json.dumps(self.document(), sort_keys=True, allow_nan=False)
+        """The same as one line of JSON."""
+        return json.dumps(self.document(), allow_nan=False)
 
     def problems(self) -> tuple[Hierarchy, ...]:
         """All problems that may be solved for a shape, one for each label set or number of parts.
@@ -169,3 +172,26 @@ class Instructions:
                         component = choice.component(kind, problem.registry)
                         found[component.id] = component.distribution
         return dict(sorted(found.items()))
+
+
+def _exact(statement: Statement) -> dict[str, Any]:
+    """A statement as plain data, parameters of its components in the order that they are given in.
+
+    :meth:`Statement.document` has them sorted; a result tells them as they are.
+    """
+    document = statement.document()
+    chosen = {key: getattr(statement.search, key) for key in CHOSEN_KINDS}
+    for key, choice in {**chosen, "embedding": statement.embedding}.items():
+        if isinstance(choice, Choice):
+            document[key] = _plain(choice)
+    if statement.parts:
+        document["parts"] = {label: _exact(part) for label, part in statement.parts}
+    return document
+
+
+def _plain(choice: Choice) -> str | dict[str, Any]:
+    """A component as plain data: a table, which knows lists; or text, which knows targets."""
+    values = choice.parameters.values()
+    if "name" in choice.parameters or not all(isinstance(value, _JSON) for value in values):
+        return str(choice)
+    return {"name": choice.name, **choice.parameters}

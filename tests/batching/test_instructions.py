@@ -44,6 +44,21 @@ def test_recipes_are_sent_whole(name):
     assert Instructions.read(json.loads(given.text())).statement == given.statement
 
 
+def test_parameters_keep_their_order_and_kind():
+    """A result tells them as they were given, so that its bytes depend on that."""
+    given = Method(seeder={"name": "sized_evolution", "population": 9, "generations": 2})
+    sent = Instructions(statement=replace(PLAIN.statement, search=given))
+    again = Instructions.read(json.loads(sent.text()))
+    for found in (again.statement.search.seeder, again.options.over(given).seeder):
+        assert list(found.parameters.items()) == [("population", 9), ("generations", 2)]
+        assert isinstance(found.parameters["population"], int)
+    inner = replace(sent.statement, parts=(("a", sent.statement),))
+    below = Instructions.read(json.loads(Instructions(statement=inner).text())).statement
+    assert str(below.parts[0][1].search.seeder) == "sized_evolution(population=9, generations=2)"
+    listed = replace(PLAIN, options=SearchOptions(seeder=Choice("kmeans", {"x": [1, 2]})))
+    assert Instructions.read(json.loads(listed.text())).options.seeder.parameters == {"x": [1, 2]}
+
+
 def test_processes_of_one_search_are_no_instruction():
     several = replace(PLAIN, options=SearchOptions(workers=7))
     assert several.text() == PLAIN.text()
