@@ -10,11 +10,12 @@ import pytest
 from moseg_core.batching.instructions import Instructions
 from moseg_core.builtin.kmeans import KMeans
 from moseg_core.components.chosen import Choice
+from moseg_core.components.discovery.registry import registry
 from moseg_core.errors import UsageError
 from moseg_core.io.part_files import PartForm
 from moseg_core.io.reading import Reading
 from moseg_core.problem.recipe import load_recipe
-from moseg_core.problem.settings import Method, SearchOptions
+from moseg_core.problem.settings import CHOSEN_KINDS, Method, SearchOptions
 from moseg_core.problem.statement import Statement
 
 PLAIN = Instructions(statement=Statement(labels=("a", "b"), minimize="narrow(a)"))
@@ -38,10 +39,19 @@ def test_there_and_back(given):
     assert again.text() == given.text()
 
 
-@pytest.mark.parametrize("name", ["fourleg", "any_shape", "paper_hammer"])
-def test_recipes_are_sent_whole(name):
-    given = Instructions(statement=load_recipe(name).statement)
-    assert Instructions.read(json.loads(given.text())).statement == given.statement
+def test_all_recipes_are_sent_whole_and_as_they_are_written():
+    for component in registry().components("recipe"):
+        given = load_recipe(component.id).statement
+        again = Instructions.read(json.loads(Instructions(statement=given).text())).statement
+        assert again == given
+        assert chosen(again) == chosen(given)
+
+
+def chosen(statement):
+    """What the components of all levels are, as results tell it: in the order of writing."""
+    return [
+        str(getattr(level.search, kind)) for _, level in statement.levels() for kind in CHOSEN_KINDS
+    ]
 
 
 def test_parameters_keep_their_order_and_kind():
