@@ -50,7 +50,17 @@ class ShapeError(MosegError, ValueError):
 
 
 class Terminated(KeyboardInterrupt):
-    """Somebody told the program to end by SIGTERM, and it did; like Ctrl-C no error."""
+    """Somebody told the program to end by SIGTERM or SIGHUP, and it did; like Ctrl-C no error.
+
+    Parameters
+    ----------
+    number : int
+        Of the signal; that of SIGTERM by default.
+    """
+
+    def __init__(self, number: int = 15) -> None:
+        self.exit_code = 128 + number
+        super().__init__(number)
 
 
 class PluginError(MosegError):

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 
 from moseg_core.cli.collection import at_exit, importing
 from moseg_core.cli.overview import overview_of
+from moseg_core.cli.streams import prepare_streams, show_warnings
 from moseg_core.cli.waiting import waiting
 from moseg_core.errors import MosegError, Terminated, UsageError
 
@@ -42,11 +43,20 @@ def main(arguments: Sequence[str] | None = None) -> None:
     ------
     SystemExit
         With 0, or the exit code of what went wrong (:mod:`moseg_core.errors`); 130 when
-        interrupted, 143 when told to end by SIGTERM.
+        interrupted, 143 when told to end by SIGTERM, 129 by SIGHUP.
     """
     if arguments is None:  # a process of its own
+        prepare_streams()
+        show_warnings(_tell)
         at_exit()
     sys.exit(_run(list(sys.argv[1:] if arguments is None else arguments)))
+
+
+def _tell(text: str) -> None:
+    """Print a message; what that needs is imported where there is one."""
+    from moseg_core.cli.console import message
+
+    message(text)
 
 
 def _obey(arguments: Sequence[str]) -> None:
@@ -99,24 +109,40 @@ def _left_over(command: str, words: Sequence[str]) -> str:
 
 
 def _run(arguments: list[str]) -> int:
+    code = _code_of(arguments)
+    try:
+        sys.stdout.flush()
+    except OSError as error:
+        # Python would complain once more at exit.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        # A reader, such as `head`, that is gone has what it wanted.
+        if code == 0 and not isinstance(error, BrokenPipeError):
+            return _told_of_system(error)
+    return code
+
+
+def _code_of(arguments: list[str]) -> int:
+    """Do what is asked; its exit code, what went wrong told."""
     try:
         _obey(arguments)
-        sys.stdout.flush()
     except MosegError as error:
         print(f"moseg: {error}", file=sys.stderr)
         return error.exit_code
-    except Terminated:
+    except Terminated as ended:
         print("moseg: told to end", file=sys.stderr)
-        return 143
+        return ended.exit_code
     except KeyboardInterrupt:
         print("moseg: interrupted", file=sys.stderr)
         return 130
     except BrokenPipeError:
-        # The reader, such as `head`, has what it wanted; Python would complain once more at exit.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except OSError as error:
-        print(f"moseg: cannot write the output: {error.strerror or error}", file=sys.stderr)
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 1
+        return _told_of_system(error)
     return 0
+
+
+def _told_of_system(error: OSError) -> int:
+    """Say what the system refuses; the exit code of that."""
+    what = "cannot write the output" if error.filename is None else f"'{error.filename}'"
+    print(f"moseg: {what}: {error.strerror or error}", file=sys.stderr)
+    return 1

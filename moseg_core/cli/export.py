@@ -14,11 +14,11 @@ import numpy as np
 
 from moseg_core.cli.console import message
 from moseg_core.cli.flags import PartFlags, ShapeFlags
+from moseg_core.cli.interrupt import stop_on_interrupt
 from moseg_core.cli.reading import matched_labels, read_label_property, read_shape
-from moseg_core.cli.saving import check_saving, raise_last, save_outputs
+from moseg_core.cli.saving import check_outputs, check_saving, raise_last, save_outputs
 from moseg_core.errors import UsageError
 from moseg_core.io import load_result, read_labels, read_result
-from moseg_core.io.files import check_any_output, check_form
 from moseg_core.io.part_files import PartForm
 from moseg_core.io.result_loading import find_shape
 from moseg_core.search.result import Result, find_warnings
@@ -40,12 +40,7 @@ def run_export(
     form = PartForm(
         close=part_flags.close, hulls=part_flags.hulls, hull_vertices=part_flags.hull_vertices
     )
-    check_form(form, outputs)
-    for output in outputs:
-        check_any_output(output)
-        for read in (source, labels):
-            if read is not None and output.exists() and read.exists() and output.samefile(read):
-                raise UsageError(f"'{output}' is read here; write to another file")
+    check_outputs(outputs, form, read=[source, *([labels] if labels else [])])
     folders = [] if shapes is None else [shapes]
     saved = read_result(source)
     shape = find_shape(saved, source, folders=folders, read=lambda file: read_shape(file, reading))
@@ -53,12 +48,15 @@ def run_export(
     if labels is not None:
         result = _relabelled(result, labels, label_property)
     check_saving(shape, outputs, form)
-    written, failures, notes = save_outputs(result, outputs, Path(shape.file), form)
+    with stop_on_interrupt(wanted=True) as stop:
+        stop.writing()
+        written, failures, notes = save_outputs(result, outputs, Path(shape.file), form)
     for note in notes:
         message(note)
     if written:
         message(f"wrote {', '.join(written)}")
     raise_last(failures)
+    stop.raise_if_asked()
 
 
 def _relabelled(result: Result, path: Path, label_property: str | None) -> Result:

@@ -12,13 +12,14 @@ from rich.table import Table
 from moseg_core.cli.console import console, message, print_json
 from moseg_core.cli.flags import ShapeFlags
 from moseg_core.cli.reading import read_shape
+from moseg_core.cli.saving import check_distinct
 from moseg_core.components.chosen import Choice, prepare
 from moseg_core.components.discovery.registry import registry
 from moseg_core.components.field import FieldSummary, field_values
 from moseg_core.components.segmentation import Segmentation
 from moseg_core.errors import UsageError, unknown
 from moseg_core.io import write_file
-from moseg_core.io.files import check_destination
+from moseg_core.io.whole_file import check_destination
 from moseg_core.io.write.field_files import encode_field
 from moseg_core.problem.recipe import load_recipe
 from moseg_core.view.field_picture import render_field
@@ -41,8 +42,7 @@ def run_field(
             asked = unknown("suffix", path.suffix, FORMATS) if path.suffix else "no suffix"
             raise UsageError(f"a field is written as {', '.join(FORMATS)}: {asked}, in '{path}'")
         check_destination(path)
-        if path.exists() and source.exists() and path.samefile(source):
-            raise UsageError(f"'{path}' is the shape itself; write the field to another file")
+    check_distinct(outputs, read=[source], what="the field")
     choice = Choice.read(call, "field")
     tables = None if recipe is None else load_recipe(recipe).statement.given
     chosen = prepare(choice, "field", registry(), tables=tables)

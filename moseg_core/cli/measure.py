@@ -27,14 +27,18 @@ from moseg_core.cli.flags import SearchedProblemFlags, SearchFlags, ShapeFlags, 
 from moseg_core.cli.interrupt import Stop, stop_on_interrupt
 from moseg_core.cli.reading import named_labels, read_label_property, read_shape
 from moseg_core.cli.request import read_search, read_statement, read_variants
+from moseg_core.cli.saving import check_distinct, raise_last
+from moseg_core.cli.working_folder import working_folder_kept
 from moseg_core.components.discovery.registry import registry
 from moseg_core.components.protocols import Progress
 from moseg_core.components.segmentation import Segmentation
 from moseg_core.errors import MosegError, ShapeError, UsageError
 from moseg_core.io import read_labels, read_result, write_file
-from moseg_core.io.files import check_destination, files_of, instead_of, write_files
+from moseg_core.io.byte_names import readable
+from moseg_core.io.files import files_of, instead_of, write_files
 from moseg_core.io.labels.reading import bearing_suffixes
 from moseg_core.io.result_loading import check_shape, find_shape
+from moseg_core.io.whole_file import check_destination
 from moseg_core.problem.settings import SearchOptions
 from moseg_core.problem.statement import Statement
 from moseg_core.problem.variants import Variants
@@ -125,12 +129,11 @@ def run_measure(
         if output.suffix.lower() not in FORMATS:
             raise UsageError(f"a table is written as {', '.join(FORMATS)}, not to '{output}'")
         check_destination(output)
-        for word in words:
-            if output.exists() and Path(word).exists() and output.samefile(word):
-                raise UsageError(f"'{output}' is to be measured; write the table to another file")
+    check_distinct(outputs, read=map(Path, words), what="the table")
     finder = Finder.of(problem, search)
     if keep is not None:
         _check_kept(keep, words, finder)
+    unkept: list[str] = []
     measure = partial(
         _measured,
         finder=finder,
@@ -138,42 +141,56 @@ def run_measure(
         folders=[] if shapes is None else [shapes],
         label_property=read_label_property(label_property),
         keep=keep,
+        unkept=unkept,
         quiet=quiet,
     )
     tables: list[PartTable] = []
     failed: list[str] = []
-    with stop_on_interrupt(wanted=bool(outputs)) as stop:
+    wanted = bool(outputs) or keep is not None or len(words) > 1
+    with stop_on_interrupt(wanted=wanted) as stop:
         for k, word in enumerate(words, 1):
             if stop():
                 break
             began = time.monotonic()
             try:
-                table = measure(word, stop=stop)
+                with working_folder_kept():
+                    table = measure(word, stop=stop)
             except MosegError as error:
                 if len(words) == 1:
                     raise
                 failed.append(word)
                 message(f"[{k}/{len(words)}] {word}: {error}")
                 continue
-            tables.append(table.with_column("file", word))
+            tables.append(table.with_column("file", readable(word)))
             seconds = time.monotonic() - began
             said = f"[{k}/{len(words)}] {word}: {len(table)} parts, {seconds:.1f} s"
             message(said, quiet=quiet or len(words) == 1)
-    whole = PartTable.joined(tables)
-    for output in outputs if tables else ():
-        write_file(output, encoded(whole, output.suffix))
-        count = f"{len(whole)} parts of {len(tables)} shape{'s' if len(tables) > 1 else ''}"
-        message(f"wrote {output}: {count}, {len(whole.columns)} columns", quiet=quiet)
-    if as_json:
-        print(whole.to_json(), end="")
-    elif tables and not outputs:
-        console(sys.stdout).print(_printed(whole))
-    if stop():
-        raise stop.ended()
+        stop.writing()
+        whole = PartTable.joined(tables)
+        failures: list[MosegError] = []
+        for output in outputs if tables else ():
+            try:
+                write_file(output, encoded(whole, output.suffix))
+            except MosegError as error:
+                failures.append(error)
+                continue
+            count = f"{len(whole)} parts of {len(tables)} shape{'s' if len(tables) > 1 else ''}"
+            message(f"wrote {output}: {count}, {len(whole.columns)} columns", quiet=quiet)
+    if unkept:
+        said = f"the results of {len(unkept)} could not be kept: {', '.join(unkept)}"
+        failures.append(MosegError(said))
     if failed:
-        raise MosegError(
-            f"{len(failed)} of {len(words)} could not be measured: {', '.join(failed)}"
-        )
+        said = f"{len(failed)} of {len(words)} could not be measured: {', '.join(failed)}"
+        failures.append(MosegError(said))
+    try:
+        if as_json:
+            print(whole.to_json(), end="")
+        elif tables and not outputs:
+            console(sys.stdout).print(_printed(whole))
+    finally:  # also where nobody takes what is printed
+        if not stop():
+            raise_last(failures)
+    stop.raise_if_asked()
 
 
 def encoded(table: PartTable, suffix: str) -> bytes:
@@ -202,10 +219,11 @@ def _measured(
     folders: Sequence[Path],
     label_property: Sequence[str],
     keep: Path | None,
+    unkept: list[str],
     quiet: bool,
     stop: Stop,
 ) -> PartTable:
-    """The table of what one word stands for."""
+    """The table of what one word stands for; a result that could not be kept is added to them."""
     path, labels = _files(word, finder)
     saved = path.suffix.lower() == ".json"
     for file in (labels, path if saved else None):  # of shapes whoever reads them says more
@@ -223,11 +241,23 @@ def _measured(
             if finder is None or labels != path:
                 raise
     assert finder is not None  # or there would be labels
-    result = finder.find(shape, stop=stop, quiet=quiet)
+    failure: MosegError | None = None
+    try:
+        result = finder.find(shape, stop=stop, quiet=quiet)
+    except MosegError as error:
+        if keep is None or error.result is None:
+            raise
+        result, failure = error.result, error
     for warning in result.warnings:
         message(f"{path.name}: warning: {warning}", quiet=quiet)
     if keep is not None:
-        write_files(files_of(result, keep / f"{shape_stem(path)}.json"))
+        try:
+            write_files(files_of(result, keep / f"{shape_stem(path)}.json"))
+        except MosegError as error:  # its row of the table is there all the same
+            message(f"{path.name}: {error}")
+            unkept.append(word)
+    if failure is not None:
+        raise failure
     return result.table()
 
 
@@ -319,6 +349,9 @@ def _check_kept(folder: Path, words: Sequence[str], finder: Finder | None) -> No
         folder.mkdir(exist_ok=True)
     except OSError as error:
         raise UsageError(f"--keep: '{folder}' cannot be made: {error.strerror}") from error
+    for path in paths:
+        if path.suffix.lower() != ".json":
+            check_destination(folder / f"{shape_stem(path)}.json")
 
 
 def _printed(table: PartTable) -> Table:

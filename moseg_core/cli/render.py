@@ -8,10 +8,11 @@ from pathlib import Path
 from moseg_core.cli.console import message
 from moseg_core.cli.flags import ShapeFlags
 from moseg_core.cli.reading import named_labels, read_label_property, read_shape
+from moseg_core.cli.saving import check_distinct
 from moseg_core.cli.waiting import waiting
 from moseg_core.errors import UsageError
 from moseg_core.io import read_labels, write_file
-from moseg_core.io.files import check_destination
+from moseg_core.io.whole_file import check_destination
 from moseg_core.view.picture import checked_size, draw_parts
 from moseg_core.view.point_bodies import drawable
 from moseg_core.view.upright import find_standing
@@ -36,9 +37,7 @@ def run_render(
         asked = f"'{out.suffix}'" if out.suffix else "a file without a suffix"
         raise UsageError(f"a picture is written as .png, not {asked}")
     check_destination(out)
-    for source in (path, result):
-        if out.exists() and source.exists() and out.samefile(source):
-            raise UsageError(f"'{out}' is read here; write the picture to another file")
+    check_distinct([out], read=[path, result], what="the picture")
     if path.suffix.lower() == ".json":
         raise UsageError(
             f"'{path}' has labels but no shape; give the shape first: moseg render SHAPE {path}"

@@ -7,7 +7,7 @@ from pathlib import Path
 from moseg_core.cli.console import message
 from moseg_core.errors import UsageError
 from moseg_core.io import load, read_labels, save_labels, write_file
-from moseg_core.io.files import check_destination
+from moseg_core.io.whole_file import check_destination
 from moseg_core.samples import sample_labels_path, sample_path
 
 

@@ -32,18 +32,14 @@ from moseg_core.cli.request import (
     read_statement,
     read_variants,
 )
-from moseg_core.cli.saving import check_saving, raise_last, save_outputs
+from moseg_core.cli.saving import check_outputs, check_saving, raise_last, save_outputs
 from moseg_core.cli.waiting import waiting
+from moseg_core.cli.working_folder import working_folder_kept
 from moseg_core.clipping.clip import check_clippable
 from moseg_core.components.faults import describe
 from moseg_core.components.profile import timed
 from moseg_core.errors import REPORT, MosegError, PluginError, UsageError
-from moseg_core.io.files import check_any_output, check_form
-from moseg_core.io.part_files import (
-    PartForm,
-    is_for_parts,
-    part_paths,
-)
+from moseg_core.io.part_files import PartForm
 from moseg_core.io.result_json import SavedResult, evaluation_document
 from moseg_core.problem.label_sets import set_text
 from moseg_core.problem.slow_calls import naming_slow_calls
@@ -108,12 +104,8 @@ def run_segment(
     form = PartForm(
         close=part_flags.close, hulls=part_flags.hulls, hull_vertices=part_flags.hull_vertices
     )
-    check_form(form, outputs)
-    for output in outputs:
-        check_any_output(output)
-        for file in _files_at(output, variants):
-            if file.exists() and path.exists() and file.samefile(path):
-                raise UsageError(f"'{file}' is the shape itself; write the result to another file")
+    labels = [each.problem.labels for each in variants.tasks]
+    check_outputs(outputs, form, read=[path], labels=labels)
 
     started = time.monotonic()
     with timed("stage", "read"):
@@ -131,51 +123,59 @@ def run_segment(
         )
     for note in shape.notes:
         message(f"{path.name}: {note}", quiet=quiet)
-    failure: MosegError | None = None
-    with (
-        progress_reporter(quiet=quiet) as show,
-        stop_on_interrupt(wanted=bool(outputs)) as stop,
-        naming_slow_calls(partial(_report_slow_call, quiet=quiet), after=PATIENCE),
-    ):
-        try:
-            if problem_flags.parts is not None:
-                result = solve_parts(
-                    shape,
-                    read_statement(problem_flags),
-                    problem_flags.parts,
-                    options,
-                    report=lambda progress: show(progress) or stop(),
-                )
-            else:
-                result = solve_variants(
-                    shape,
-                    variants,
-                    options,
-                    start=start_centers,
-                    freeze=frozen,
-                    pins=pinned,
-                    report=lambda progress: show(progress) or stop(),
-                )
-        except MosegError as error:
-            if error.result is None or not outputs:
-                raise
-            result, failure = error.result, error
-        except SystemExit as error:  # of code that no component's call is around
-            raise PluginError(
-                f"a component ended the search: {describe(error)}; {REPORT}"
-            ) from error
-    for warning in result.warnings:
-        message(f"warning: {warning}", quiet=quiet)
-    if sets := tried_sets(result.history):
-        wholes = [name.partition(SEPARATOR)[0] for name in result.problem.labels]
-        chosen = set_text(wholes, variants.statement.labels)
-        message(f"chosen among {len(sets)} label sets: {chosen}", quiet=quiet)
-    if clipped:
-        with timed("stage", "clip"):
-            result = clip(result)
-        message(_clipping_summary(result), quiet=quiet)
-    with timed("stage", "write"):
-        written, failures, notes = save_outputs(result, outputs, path, form)
+    failed: list[MosegError] = []
+    with stop_on_interrupt(wanted=bool(outputs)) as stop:
+        with (
+            working_folder_kept(),
+            progress_reporter(quiet=quiet) as show,
+            naming_slow_calls(partial(_report_slow_call, quiet=quiet), after=PATIENCE),
+        ):
+            try:
+                if problem_flags.parts is not None:
+                    result = solve_parts(
+                        shape,
+                        read_statement(problem_flags),
+                        problem_flags.parts,
+                        options,
+                        report=lambda progress: show(progress) or stop(),
+                    )
+                else:
+                    result = solve_variants(
+                        shape,
+                        variants,
+                        options,
+                        start=start_centers,
+                        freeze=frozen,
+                        pins=pinned,
+                        report=lambda progress: show(progress) or stop(),
+                    )
+            except MosegError as error:
+                if error.result is None or not outputs:
+                    raise
+                result = error.result
+                failed.append(error)
+            except SystemExit as error:  # of code that no component's call is around
+                raise PluginError(
+                    f"a component ended the search: {describe(error)}; {REPORT}"
+                ) from error
+        stop.writing()
+        for warning in result.warnings:
+            message(f"warning: {warning}", quiet=quiet)
+        if sets := tried_sets(result.history):
+            wholes = [name.partition(SEPARATOR)[0] for name in result.problem.labels]
+            chosen = set_text(wholes, variants.statement.labels)
+            message(f"chosen among {len(sets)} label sets: {chosen}", quiet=quiet)
+        if clipped:
+            try:
+                with working_folder_kept(), timed("stage", "clip"):
+                    result = clip(result)
+                message(_clipping_summary(result), quiet=quiet)
+            except MosegError as error:  # the result is good without
+                if not outputs:
+                    raise
+                failed.append(MosegError(f"{error}; written without clipped boundaries"))
+        with timed("stage", "write"):
+            written, failures, notes = save_outputs(result, outputs, path, form)
     for note in notes:
         message(note, quiet=quiet)
     free, whole = result.dimension
@@ -183,23 +183,17 @@ def run_segment(
         message(f"constraints leave {free} of {whole} dimensions to search", quiet=quiet)
     wrote = f"; wrote {', '.join(written)}" if written else ""
     message(f"{time.monotonic() - started:.1f} s{wrote}", quiet=quiet)
-    if as_json:
-        print_json(_summary(result))
-    elif not quiet:
-        _print_tables(result)
-    if not failures and failure is None and sys.stderr.isatty():
-        message(next_step(path, outputs), quiet=quiet)
-    failures += [] if failure is None else [failure]
-    raise_last(failures)
-    if result.reason == "interrupted":
-        raise stop.ended()
-
-
-def _files_at(output: Path, variants: Variants) -> list[Path]:
-    """The files that an output stands for, as far as labels are known before the search."""
-    if not is_for_parts(output):
-        return [output]
-    return [file for each in variants.tasks for file in part_paths(output, each.problem.labels)]
+    failures += failed
+    try:
+        if as_json:
+            print_json(_summary(result))
+        elif not quiet:
+            _print_tables(result)
+        if not failures and sys.stderr.isatty():
+            message(next_step(path, outputs), quiet=quiet)
+    finally:  # also where nobody takes what is printed
+        raise_last(failures)
+    stop.raise_if_asked()
 
 
 def next_step(shape: Path, written: Sequence[Path]) -> str:

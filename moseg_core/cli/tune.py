@@ -12,7 +12,7 @@ from moseg_core.cli.flags import ProblemFlags, SearchFlags, ShapeFlags, Steering
 from moseg_core.cli.reading import read_shape
 from moseg_core.cli.request import read_search, read_variants
 from moseg_core.errors import UsageError
-from moseg_core.io.files import check_destination
+from moseg_core.io.whole_file import check_destination
 from moseg_core.problem.recipe import Recipe, load_recipe
 from moseg_core.problem.statement import Statement
 from moseg_core.search.variants import check_variants

@@ -10,9 +10,10 @@ from moseg_core.cli.flags import ShapeFlags
 from moseg_core.cli.reading import named_labels, read_label_property, read_shape
 from moseg_core.errors import UsageError
 from moseg_core.io import read_labels, read_result, write_file
-from moseg_core.io.files import check_destination, instead_of
+from moseg_core.io.files import instead_of
 from moseg_core.io.labels.reading import bearing_suffixes
 from moseg_core.io.result_loading import find_shape
+from moseg_core.io.whole_file import check_destination
 from moseg_core.search.showing import open_page
 from moseg_core.shape.shape import Shape
 from moseg_core.view.page.content import PageContent, middle_places

@@ -19,8 +19,9 @@ from typing import Any
 from moseg_core.components.discovery.registry import Component, Registry, registry
 from moseg_core.components.parameters import takes
 from moseg_core.errors import REPORT, MosegError, PluginError, ShapeError, UsageError, nearest
+from moseg_core.io.byte_names import readable
 from moseg_core.io.part_files import PartForm, check_part_files, is_for_parts, part_files
-from moseg_core.io.whole_file import write_file
+from moseg_core.io.whole_file import check_destination, told_of, write_file
 from moseg_core.io.write.part_meshes import PART_SUFFIXES
 from moseg_core.search.result import Result
 from moseg_core.shape.shape import Shape
@@ -64,7 +65,7 @@ def load(path: str | os.PathLike[str], *, source: Registry | None = None) -> Sha
     component = (registry() if source is None else source).by_suffix(
         "reader", "".join(path.suffixes)
     )
-    if not path.exists():
+    if not os.path.exists(path):  # also where no file can have that name
         raise ShapeError(f"'{path}' does not exist{instead_of(path)}")
     if path.is_dir():
         raise ShapeError(f"'{path}' is a folder; name a file in it")
@@ -79,7 +80,7 @@ def load(path: str | os.PathLike[str], *, source: Registry | None = None) -> Sha
             f"reader '{component.id}' of {component.distribution} returned a"
             f" {type(shape).__name__}, not a Shape"
         )
-    return replace(shape, file=str(path))
+    return replace(shape, file=str(path), name=readable(shape.name))
 
 
 def instead_of(path: Path) -> str:
@@ -140,6 +141,7 @@ def save(
     path = Path(path)
     form = PartForm(close=close, hulls=hulls, hull_vertices=hull_vertices)
     check_form(form, [path], source=source)
+    check_any_output(path, source=source)
     if not is_for_parts(path):
         write_files(files_of(result, path, hull_vertices=hull_vertices, source=source))
         return
@@ -166,7 +168,7 @@ def check_form(form: PartForm, paths: Iterable[Path], *, source: Registry | None
         return
     for path in paths:
         if not is_for_parts(path):
-            writer = check_output(path, source=source).load()
+            writer = writer_for(path, source=source).load()
             if takes(writer, HULL_VERTICES):
                 return
     raise UsageError(
@@ -197,11 +199,11 @@ def files_of(
     Raises
     ------
     UsageError
-        No writer for the suffix, or no such folder.
+        No writer for the suffix.
     PluginError
         The writer fails, or what it returns is neither bytes nor files for that folder.
     """
-    component = check_output(path, source=source)
+    component = writer_for(path, source=source)
     write = component.load()
     given: dict[str, Any] = {"name": path.name}
     if hull_vertices is not None:
@@ -235,17 +237,24 @@ def files_of(
 def write_files(files: Mapping[Path, bytes]) -> None:
     """Write several files, each whole or not at all, in order; folders are made where they lack.
 
+    One that cannot be written does not keep the others from being written.
+
     Raises
     ------
     MosegError
-        The disk is full, or a folder not writable.
+        The disk is full, or a folder not writable; after the others were tried.
     """
+    failures: list[MosegError] = []
     for file, data in files.items():
         try:
-            file.parent.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise MosegError(f"cannot write '{file}': {error.strerror}") from error
-        write_file(file, data)
+            with told_of(file):
+                file.parent.mkdir(parents=True, exist_ok=True)
+            write_file(file, data)
+        except MosegError as error:
+            failures.append(error)
+    if failures:
+        more = f", nor {len(failures) - 1} files more" if len(failures) > 1 else ""
+        raise MosegError(f"{failures[0]}{more}")
 
 
 def _wrong_name(name: object, path: Path) -> str:
@@ -264,6 +273,24 @@ def _wrong_name(name: object, path: Path) -> str:
     return "the name of a folder" if (folder / name).is_dir() else ""
 
 
+def writer_for(path: Path, *, source: Registry | None = None) -> Component:
+    """The writer for a path, by its suffix.
+
+    Raises
+    ------
+    UsageError
+        There is none.
+    """
+    try:
+        found = registry() if source is None else source
+        return found.by_suffix("writer", "".join(path.suffixes))
+    except UsageError as error:
+        if path.suffix.lower() not in PART_SUFFIXES:
+            raise
+        each = path.with_name(f"{path.stem}-{{part}}{path.suffix}")
+        raise UsageError(f"{error}; or a file for each part: '{each}'") from None
+
+
 def check_output(path: Path, *, source: Registry | None = None) -> Component:
     """The writer for a path, or an error now rather than after a long search.
 
@@ -271,42 +298,26 @@ def check_output(path: Path, *, source: Registry | None = None) -> Component:
     ------
     UsageError
         No writer for the suffix, no such folder, or a folder of that name.
+    PluginError
+        The writer cannot be imported.
+    MosegError
+        The folder takes no files, or none of that name; the disk is full.
     """
-    try:
-        found = registry() if source is None else source
-        component = found.by_suffix("writer", "".join(path.suffixes))
-    except UsageError as error:
-        if path.suffix.lower() not in PART_SUFFIXES:
-            raise
-        each = path.with_name(f"{path.stem}-{{part}}{path.suffix}")
-        raise UsageError(f"{error}; or a file for each part: '{each}'") from None
+    component = writer_for(path, source=source)
+    component.load()
     check_destination(path)
     return component
 
 
-def check_any_output(path: Path) -> None:
+def check_any_output(path: Path, *, source: Registry | None = None) -> None:
     """Refuse a path, of a file or of one for each part, that cannot be written.
 
     Raises
     ------
-    UsageError
+    MosegError
         As :func:`check_output`, or :func:`moseg_core.io.part_files.check_part_files`.
     """
     if is_for_parts(path):
         check_part_files(path)
     else:
-        check_output(path)
-
-
-def check_destination(path: Path) -> None:
-    """Refuse a path whose folder does not exist, or that is a folder.
-
-    Raises
-    ------
-    UsageError
-        With the folder's name.
-    """
-    if path.is_dir():
-        raise UsageError(f"cannot write '{path}': it is a folder")
-    if not path.parent.is_dir():
-        raise UsageError(f"cannot write '{path}': there is no folder '{path.parent}'")
+        check_output(path, source=source)

@@ -20,6 +20,7 @@ from pathlib import Path
 import numpy as np
 
 from moseg_core.errors import ShapeError, UsageError, unknown
+from moseg_core.io.whole_file import check_destination
 from moseg_core.io.write.names import safe_file_names
 from moseg_core.io.write.part_meshes import OF_POINTS, PART_SUFFIXES, PartMesh, encode_part
 from moseg_core.search.result import Result
@@ -112,6 +113,8 @@ def check_part_files(path: Path) -> None:
     ------
     UsageError
         A format that is not for single parts, or no such folder.
+    MosegError
+        The folder takes no files; the disk is full.
     """
     if path.suffix.lower() not in PART_SUFFIXES:
         suffix = "".join(path.suffixes[-2:]) if path.suffix.lower() == ".gz" else path.suffix
@@ -124,6 +127,7 @@ def check_part_files(path: Path) -> None:
         raise UsageError(f"cannot write '{path}': '{folder}' is no folder")
     if not folder.exists() and not folder.parent.is_dir():
         raise UsageError(f"cannot write '{path}': there is no folder '{folder.parent}'")
+    check_destination(path if folder.exists() else folder)
 
 
 def check_part_form(path: Path, shape: Shape, form: PartForm) -> None:

@@ -16,6 +16,7 @@ from moseg_core.components.cost import Cost
 from moseg_core.components.detail import Detail
 from moseg_core.components.protocols import Centers
 from moseg_core.errors import UsageError, unknown
+from moseg_core.io.byte_names import path_entries, readable, with_path
 from moseg_core.language import parse_target
 from moseg_core.problem.aggregate import CallValue, Evaluation, TermValue
 from moseg_core.problem.hierarchy import Hierarchy
@@ -142,7 +143,7 @@ def _from_document(document: dict[str, Any]) -> SavedResult:
     parts = document["parts"]
     problem = document["problem"]
     return SavedResult(
-        shape=document["shape"],
+        shape=with_path(document["shape"]),
         labels=np.array(document["labels"], np.int64),
         names=tuple(problem["labels"]),
         statement=_read_statement(problem),
@@ -173,11 +174,11 @@ def write_json(result: Result) -> bytes:
     document: dict[str, Any] = {
         "format": FORMAT,
         "shape": {
-            "name": shape.name,
-            **({"file": shape.file} if shape.file else {}),
+            "name": readable(shape.name),
+            **(path_entries(shape.file) if shape.file else {}),
             "elements": shape.n_elements,
             "fingerprint": shape.fingerprint,
-            "notes": list(shape.notes),
+            "notes": [readable(note) for note in shape.notes],
         },
         "problem": _problem_document(result.problem),
         **evaluation_document(result.evaluation),
@@ -196,7 +197,7 @@ def write_json(result: Result) -> bytes:
         "dimension": {"free": result.dimension[0], "all": result.dimension[1]},
         "seed": result.seed,
         "reason": result.reason,
-        "warnings": list(result.warnings),
+        "warnings": [readable(warning) for warning in result.warnings],
         "versions": dict(result.versions),
         "history": {
             stage: [

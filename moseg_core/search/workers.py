@@ -253,8 +253,9 @@ def _serve(
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the one that asked
     # Where that one winds up when it is told to end, its copies, which may be told too, go on
     # until it has: they end with the pipe. Elsewhere they end at once.
-    handled = signal.getsignal(signal.SIGTERM) not in (signal.SIG_DFL, None)
-    signal.signal(signal.SIGTERM, signal.SIG_IGN if handled else signal.SIG_DFL)
+    for number in (signal.SIGTERM, signal.SIGHUP):
+        handled = signal.getsignal(number) not in (signal.SIG_DFL, None)
+        signal.signal(number, signal.SIG_IGN if handled else signal.SIG_DFL)
     note_in(memory)
     for other in others:
         other.close()

@@ -8,6 +8,7 @@ process, and a warning says so once.
 
 from __future__ import annotations
 
+import mmap
 import os
 import warnings
 from collections.abc import Callable, Iterator
@@ -50,6 +51,17 @@ class _Kept(FunctionCache):
         self.stamp = (self._impl.locator.get_source_stamp(), *(cache.stamp for cache in kept))
         self._cache_file = KernelFiles(self.cache_path, function, self.stamp)
 
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """What was kept of a signature; None where nothing was, or nothing intact."""
+        found = super().load_overload(sig, target_context)  # type: ignore[no-untyped-call]  # as above
+        if self._cache_file.damaged is not None:
+            folder, self._cache_file.damaged = self._cache_file.damaged.parent, None
+            _warn_once(
+                f"compiled kernels in '{folder}' are damaged and are compiled anew; if this is said"
+                " again, look after that disk, or set NUMBA_CACHE_DIR to another folder"
+            )
+        return found
+
     def save_overload(self, sig: Any, data: Any) -> None:
         """Keep what was compiled, if that can be."""
         try:
@@ -72,19 +84,21 @@ class _NotKept(NullCache):
         )
 
 
-_warned = False
+#: Whether this process has warned, or one that it is a copy of, or a copy of it: one byte, shared.
+_warned = mmap.mmap(-1, 1)
 
 
 def _warn_of_nothing_kept(where: str) -> None:
-    global _warned
-    if not _warned:
-        _warned = True
-        warnings.warn(
-            f"compiled kernels cannot be kept {where}; every process compiles them anew, which"
-            " takes some seconds. Set NUMBA_CACHE_DIR to a folder that can be written to",
-            RuntimeWarning,
-            stacklevel=2,
-        )
+    _warn_once(
+        f"compiled kernels cannot be kept {where}; every process compiles them anew, which takes"
+        " some seconds. Set NUMBA_CACHE_DIR to a folder that can be written to"
+    )
+
+
+def _warn_once(text: str) -> None:
+    if not _warned[0]:
+        _warned[0] = 1
+        warnings.warn(text, RuntimeWarning, stacklevel=3)
 
 
 class _FirstCompilation(event.Listener):

@@ -49,6 +49,8 @@ class KernelFiles:
         tag = sys.implementation.cache_tag
         self._stem = f"{source.stem}.{function.__qualname__}.{tag}".replace("<locals>", "locals")
         self._version = _digest((stamp, numba.__version__))[:8]
+        self.damaged: Path | None = None
+        """A file that was found damaged, if one was."""
 
     def load(self, key: object) -> Any:
         """What was kept under a key; None where nothing was, or nothing intact.
@@ -69,6 +71,7 @@ class KernelFiles:
             )
             if _CHECKSUM(packed).digest() == checksum:
                 return pickle.loads(packed)
+            self.damaged = folder / self._name(key)
         return None
 
     def save(self, key: object, data: object) -> None:

@@ -27,7 +27,7 @@ def run(kernel):
 @pytest.fixture
 def unwarned(monkeypatch):
     """Nothing has been warned of in this process yet."""
-    monkeypatch.setattr(compiled, "_warned", False)
+    monkeypatch.setattr(compiled, "_warned", bytearray(1))
 
 
 @pytest.fixture
@@ -97,12 +97,13 @@ def emptied(content):
 
 
 @pytest.mark.parametrize("damage", [cut, flipped, emptied], ids=lambda damage: damage.__name__)
-def test_a_damaged_file_is_replaced(damage, tmp_path, fresh):
+def test_a_damaged_file_is_told_of_once_and_replaced(damage, tmp_path, fresh, unwarned):
     run(fresh())
     (path,) = kept(tmp_path)
     path.write_bytes(damage(path.read_bytes()))
     again = fresh()
-    assert run(again) == [0.0, 2.0, 4.0]
+    with pytest.warns(RuntimeWarning, match=f"'{path.parent}' are damaged and are compiled anew"):
+        assert run(again) == [0.0, 2.0, 4.0]
     assert again.stats.cache_hits.total() == 0
     mended = fresh()
     assert run(mended) == [0.0, 2.0, 4.0]
