@@ -30,7 +30,7 @@ INTRODUCTION = f"""\
 `tools/make_cli_docs.py`.
 
 Data goes to stdout, messages to stderr. Exit codes are 0 ok, 1 failure, 2 usage or expression, 3 a
-shape that cannot be used, 130 interrupted, 143 told to end.
+shape that cannot be used, 130 interrupted, 129 or 143 told to end.
 """
 
 

@@ -17,6 +17,7 @@ from moseg_core.cli.flags import PartFlags, ShapeFlags
 from moseg_core.cli.interrupt import stop_on_interrupt
 from moseg_core.cli.reading import matched_labels, read_label_property, read_shape
 from moseg_core.cli.saving import check_outputs, check_saving, raise_last, save_outputs
+from moseg_core.cli.working_folder import working_folder_kept
 from moseg_core.errors import UsageError
 from moseg_core.io import load_result, read_labels, read_result
 from moseg_core.io.part_files import PartForm
@@ -46,7 +47,8 @@ def run_export(
     shape = find_shape(saved, source, folders=folders, read=lambda file: read_shape(file, reading))
     result = load_result(source, shape)
     if labels is not None:
-        result = _relabelled(result, labels, label_property)
+        with working_folder_kept():
+            result = _relabelled(result, labels, label_property)
     check_saving(shape, outputs, form)
     with stop_on_interrupt(wanted=True) as stop:
         stop.writing()

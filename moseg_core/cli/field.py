@@ -12,12 +12,13 @@ from rich.table import Table
 from moseg_core.cli.console import console, message, print_json
 from moseg_core.cli.flags import ShapeFlags
 from moseg_core.cli.reading import read_shape
-from moseg_core.cli.saving import check_distinct
+from moseg_core.cli.saving import check_distinct, raise_last
+from moseg_core.cli.working_folder import working_folder_kept
 from moseg_core.components.chosen import Choice, prepare
 from moseg_core.components.discovery.registry import registry
 from moseg_core.components.field import FieldSummary, field_values
 from moseg_core.components.segmentation import Segmentation
-from moseg_core.errors import UsageError, unknown
+from moseg_core.errors import MosegError, UsageError, unknown
 from moseg_core.io import write_file
 from moseg_core.io.whole_file import check_destination
 from moseg_core.io.write.field_files import encode_field
@@ -48,10 +49,12 @@ def run_field(
     chosen = prepare(choice, "field", registry(), tables=tables)
     name, parameters = chosen.component.id, chosen.parameters
     shape = read_shape(source, reading)
-    values = field_values(shape, name, **parameters)
-    whole = Segmentation.from_labels(shape, np.zeros(shape.n_elements, np.int32), 1)
-    summary = whole.parts[0].field(name, **parameters)
+    with working_folder_kept():
+        values = field_values(shape, name, **parameters)
+        whole = Segmentation.from_labels(shape, np.zeros(shape.n_elements, np.int32), 1)
+        summary = whole.parts[0].field(name, **parameters)
     title = str(Choice(name, choice.parameters))  # tables by their names
+    failures: list[MosegError] = []
     for path in outputs:
         format = path.suffix.lower()
         if format == ".png":
@@ -64,12 +67,19 @@ def run_field(
             )
         else:
             data = encode_field(shape, values, format.removeprefix("."))
-        write_file(path, data)
-        message(f"wrote {path}")
-    if as_json:
-        print_json({"field": title, "elements": shape.n_elements, **summary._asdict()})
-    else:
-        console(sys.stdout).print(_table(title, shape.n_elements, shape.noun, summary))
+        try:
+            write_file(path, data)
+        except MosegError as error:
+            failures.append(error)
+        else:
+            message(f"wrote {path}")
+    try:
+        if as_json:
+            print_json({"field": title, "elements": shape.n_elements, **summary._asdict()})
+        else:
+            console(sys.stdout).print(_table(title, shape.n_elements, shape.noun, summary))
+    finally:  # also where nobody takes what is printed
+        raise_last(failures)
 
 
 def _table(title: str, count: int, noun: str, summary: FieldSummary[float]) -> Table:

@@ -89,7 +89,7 @@ class Finder:
 
     def find(self, shape: Shape, *, stop: Callable[[], bool], quiet: bool) -> Result:
         """The parts of a shape."""
-        with progress_reporter(quiet=quiet) as show:
+        with working_folder_kept(), progress_reporter(quiet=quiet) as show:
 
             def report(progress: Progress) -> bool:
                 return show(progress) or stop()
@@ -188,9 +188,8 @@ def run_measure(
         elif tables and not outputs:
             console(sys.stdout).print(_printed(whole))
     finally:  # also where nobody takes what is printed
-        if not stop():
-            raise_last(failures)
-    stop.raise_if_asked()
+        stop.raise_if_asked()
+        raise_last(failures)
 
 
 def encoded(table: PartTable, suffix: str) -> bytes:

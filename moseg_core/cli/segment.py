@@ -193,7 +193,7 @@ def run_segment(
             message(next_step(path, outputs), quiet=quiet)
     finally:  # also where nobody takes what is printed
         raise_last(failures)
-    stop.raise_if_asked()
+        stop.raise_if_asked()
 
 
 def next_step(shape: Path, written: Sequence[Path]) -> str:

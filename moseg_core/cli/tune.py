@@ -11,6 +11,7 @@ from moseg_core.cli.console import message, progress_reporter
 from moseg_core.cli.flags import ProblemFlags, SearchFlags, ShapeFlags, SteeringFlags
 from moseg_core.cli.reading import read_shape
 from moseg_core.cli.request import read_search, read_variants
+from moseg_core.cli.working_folder import working_folder_kept
 from moseg_core.errors import UsageError
 from moseg_core.io.whole_file import check_destination
 from moseg_core.problem.recipe import Recipe, load_recipe
@@ -54,7 +55,7 @@ def run_tune(
         message(f"{path.name}: {note}")
     sets = [task.problem.labels for task in variants.tasks]
     session = Session(shape, recipe, options, sets=sets)
-    with progress_reporter(quiet=False) as show:
+    with working_folder_kept(), progress_reporter(quiet=False) as show:
         # Nothing is served yet, so that this search may have processes.
         session.search(
             Wish(weights=session.weights), show, workers=search.workers or available_workers()
@@ -65,7 +66,7 @@ def run_tune(
         webbrowser.open(server.url)
     # Also where whoever started this process had it ignore Ctrl-C, as shells do for what runs
     # behind them.
-    for number in (signal.SIGINT, signal.SIGTERM):
+    for number in (signal.SIGINT, signal.SIGTERM, getattr(signal, "SIGHUP", signal.SIGTERM)):
         signal.signal(number, signal.default_int_handler)
     try:
         server.serve()

@@ -89,6 +89,7 @@ class TuneServer:
         say: Callable[[str], object],
     ) -> None:
         self._session, self._destinations, self._say = session, destinations, say
+        self._folder = Path.cwd()  # components, which a search calls, may go elsewhere
         self._token = secrets.token_urlsafe(16)
         self._wishes: queue.Queue[Wish | None] = queue.Queue()
         # What requests read while a search goes on.
@@ -198,7 +199,7 @@ class TuneServer:
         with self._lock:
             self._check_idle()
             path = _required(self._destinations.recipe, "-o recipe.toml")
-            write_file(path, self._session.recipe().toml().encode())
+            write_file(self._folder / path, self._session.recipe().toml().encode())
         self._say(f"wrote {path}")
         return {"wrote": str(path)}
 
@@ -207,7 +208,7 @@ class TuneServer:
         with self._lock:
             self._check_idle()
             path = _required(self._destinations.example, "--example result.json")
-            save(self._session.result, path)
+            save(self._session.result, self._folder / path)
         self._say(f"wrote {path}")
         return {"wrote": str(path)}
 

@@ -8,7 +8,7 @@ import sys
 
 import pytest
 
-from moseg_core.errors import MosegError, PluginError, ShapeError, UsageError
+from moseg_core.errors import MosegError, PluginError, ShapeError, Terminated, UsageError
 
 
 def run_command(moseg, monkeypatch, error):
@@ -38,6 +38,17 @@ def test_an_error_is_its_message_and_its_exit_code(moseg, monkeypatch, error, co
 def test_an_interruption_is_130(moseg, monkeypatch):
     run = run_command(moseg, monkeypatch, KeyboardInterrupt())
     assert (run.code, run.err) == (130, "moseg: interrupted\n")
+
+
+@pytest.mark.parametrize(("number", "code"), [(15, 143), (1, 129)])
+def test_told_to_end_it_is_128_and_the_signal(moseg, monkeypatch, number, code):
+    run = run_command(moseg, monkeypatch, Terminated(number))
+    assert (run.code, run.err) == (code, "moseg: told to end\n")
+
+
+def test_an_error_of_the_system_names_its_file(moseg, monkeypatch):
+    run = run_command(moseg, monkeypatch, OSError(5, "Input/output error", "shapes/a.off"))
+    assert (run.code, run.err) == (1, "moseg: 'shapes/a.off': Input/output error\n")
 
 
 def test_what_is_no_error_of_ours_keeps_its_traceback(moseg, monkeypatch):

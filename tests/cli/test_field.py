@@ -101,6 +101,14 @@ def test_a_field_of_a_cloud_has_a_picture_too(moseg, fields, tmp_path):
     assert moseg_core.load(tmp_path / "c.ply").n_elements == 60
 
 
+def test_one_file_that_fails_takes_no_other_along(moseg, fields, mallet, tmp_path):
+    (tmp_path / "full.npy").symlink_to("/dev/full")
+    out = tmp_path / "x.csv"
+    run = moseg("field", mallet, "altitude", "-o", tmp_path / "full.npy", "-o", out)
+    assert (run.code, "a link to '/dev/full'" in run.err, out.exists()) == (1, True, True)
+    assert "mean" in run.out
+
+
 def test_says_what_it_cannot_do(moseg, fields, mallet, open_box, tmp_path):
     for code, words, says in [
         (2, (mallet, "altitud"), "unknown field 'altitud'; did you mean 'altitude'?"),
@@ -119,7 +127,7 @@ def test_says_what_it_cannot_do(moseg, fields, mallet, open_box, tmp_path):
     assert moseg("field", mallet, "altitude", "-o", copy).code == 0
     before = copy.read_bytes()
     run = moseg("field", copy, "altitude", "-o", copy)
-    assert (run.code, "is the shape itself" in run.err) == (2, True)
+    assert (run.code, "is read here" in run.err) == (2, True)
     assert copy.read_bytes() == before
 
 

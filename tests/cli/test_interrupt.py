@@ -10,7 +10,7 @@ import sys
 
 import pytest
 
-from moseg_core.cli.interrupt import stop_on_interrupt
+from moseg_core.cli.interrupt import Stop, stop_on_interrupt
 from moseg_core.errors import Terminated
 
 SENTENCE = "3*narrow(handle) + perpendicular(handle, head) + convex_parts"
@@ -90,14 +90,42 @@ def test_told_to_end_it_writes_the_best_so_far_too(mallet, tmp_path):
 
 
 def test_the_second_signal_ends_at_once_and_what_was_there_before_is_back():
-    before = [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)]
+    numbers = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+    first = signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored behind a shell
+    before = [signal.getsignal(number) for number in numbers]
     with stop_on_interrupt(wanted=True) as stop:
+        stop.raise_if_asked()
         assert not stop()
-        os.kill(os.getpid(), signal.SIGTERM)
+        os.kill(os.getpid(), signal.SIGHUP)
         assert stop()
-        assert isinstance(stop.ended(), Terminated)
-        with pytest.raises(Terminated):
+        with pytest.raises(Terminated) as ended:
+            stop.raise_if_asked()
+        assert ended.value.exit_code == 129
+        with pytest.raises(Terminated) as ended:
             os.kill(os.getpid(), signal.SIGTERM)
+        assert ended.value.exit_code == 143
         with pytest.raises(KeyboardInterrupt):
             os.kill(os.getpid(), signal.SIGINT)
-    assert [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)] == before
+    assert [signal.getsignal(number) for number in numbers] == before
+    signal.signal(signal.SIGINT, first)
+
+
+def test_what_is_ignored_stays_ignored():
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)  # as nohup does
+    try:
+        with stop_on_interrupt(wanted=True) as stop:
+            os.kill(os.getpid(), signal.SIGHUP)
+            assert not stop()
+        assert signal.getsignal(signal.SIGHUP) == signal.SIG_IGN
+    finally:
+        signal.signal(signal.SIGHUP, before)
+
+
+def test_a_signal_in_the_middle_of_a_line_is_heard_without_words(monkeypatch):
+    def reentered(text):
+        raise RuntimeError("reentrant call")
+
+    monkeypatch.setattr("moseg_core.cli.interrupt.message", reentered)
+    stop = Stop()
+    stop.note(signal.SIGTERM, None)
+    assert stop()

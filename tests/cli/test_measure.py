@@ -155,3 +155,21 @@ def test_the_suffix_says_how_a_table_is_encoded():
     assert encoded(table, ".CSV") == b"a,b\r\n1,x\r\n"
     assert encoded(table, ".tsv") == b"a\tb\r\n1\tx\r\n"
     assert json.loads(encoded(table, ".json")) == [{"a": 1, "b": "x"}]
+
+
+def test_what_cannot_be_written_takes_nothing_else_along(moseg, mallet, segmented, tmp_path):
+    (tmp_path / "full.csv").symlink_to("/dev/full")
+    (tmp_path / "kept").mkdir()
+    (tmp_path / "kept" / "mallet.json").symlink_to("/dev/full")
+    out = tmp_path / "all.csv"
+    run = moseg(
+        "measure", mallet, segmented, "--recipe", "paper_hammer", "--keep", tmp_path / "kept",
+        "-o", tmp_path / "full.csv", "-o", out,
+    )  # fmt: skip
+    assert run.code == 1
+    assert "full.csv', a link to '/dev/full': No space left on device" in run.err
+    assert f"the results of 1 could not be kept: {mallet}" in run.err
+    assert f"wrote {out}: 4 parts of 2 shapes" in run.err
+    assert len(rows_of(out)) == 4
+    run = moseg("measure", segmented, "-o", out, "-o", out)
+    assert (run.code, "is given twice" in run.err) == (2, True)

@@ -139,7 +139,9 @@ def psb(
         if not quiet:
             _print_message(f"[{done}/{total}] {_line(result)}")
 
-    results = run_benchmark(request, out, workers=processes, resume=resume, show=show)
+    # A component that is searched with may change the working folder.
+    place = out.absolute()
+    results = run_benchmark(request, place, workers=processes, resume=resume, show=show)
     for table in all_tables(results, CATEGORIES):
         _print_table(table)
     for line in failures(results):

@@ -80,6 +80,7 @@ def learn(
     if len(set(examples)) < len(examples):
         twice = next(word for k, word in enumerate(examples) if word in examples[:k])
         raise UsageError(f"example '{twice}' is given twice; give each once")
+    place = Path.cwd()  # a learner may go elsewhere
     if out is not None:
         _check_out(out)
     if check and len(examples) < 2:
@@ -104,7 +105,7 @@ def learn(
     recipe = learned(read, learner=learner)
     text = annotated(recipe)
     if out is not None:
-        write_file(out, text.encode())
+        write_file(place / out, text.encode())
         _tell(f"wrote {out}: {', '.join(recipe.labels)}", quiet=quiet)
     if check:
 
@@ -117,10 +118,11 @@ def learn(
 
 
 def _check_out(out: Path) -> None:
+    from moseg_core import check_destination
+
     if out.suffix != ".toml":
         raise UsageError(f"a recipe is written to a .toml file, not to '{out}'")
-    if not out.parent.is_dir():
-        raise UsageError(f"cannot write '{out}': there is no folder '{out.parent}'")
+    check_destination(out)
 
 
 def _tell(text: str, *, quiet: bool) -> None:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
-from moseg_core import UsageError
+from moseg_core import MosegError, UsageError
 
 if TYPE_CHECKING:
     from moseg_core import Result
@@ -74,8 +74,14 @@ def embed(
     embedded = mds.embed(original)
     seconds = perf_counter() - began
     result = _as_result(embedded)
+    written, failures = [], []
     for path in out:
-        save(result, path)
+        try:
+            save(result, path)
+        except MosegError as error:  # the other files are written all the same
+            failures.append(str(error))
+        else:
+            written.append(str(path))
     found = {
         "stress": embedded.stress,
         "geodesics": embedded.method,
@@ -87,19 +93,21 @@ def embed(
     else:
         for name, value in found.items():
             print(f"{name:<10} {value:.4f}" if name == "stress" else f"{name:<10} {value}")
-    print(f"moseg: wrote {', '.join(map(str, out))}", file=sys.stderr)
+    if written:
+        print(f"moseg: wrote {', '.join(written)}", file=sys.stderr)
+    if failures:
+        raise MosegError("; ".join(failures))
 
 
 def _check_destination(path: Path) -> None:
     """Refuse now what could not be written after the work is done."""
+    from moseg_core import check_destination
+
     if path.suffix.lower() not in _SUFFIXES:
         raise UsageError(
             f"an embedding is written as {', '.join(_SUFFIXES)}, not '{path.suffix or path}'"
         )
-    if path.is_dir():
-        raise UsageError(f"cannot write '{path}': it is a folder")
-    if not path.parent.is_dir():
-        raise UsageError(f"cannot write '{path}': there is no folder '{path.parent}'")
+    check_destination(path)
 
 
 def _as_result(embedded: Embedded) -> Result:
