@@ -66,8 +66,10 @@ def run_tune(
         webbrowser.open(server.url)
     # Also where whoever started this process had it ignore Ctrl-C, as shells do for what runs
     # behind them.
-    for number in (signal.SIGINT, signal.SIGTERM, getattr(signal, "SIGHUP", signal.SIGTERM)):
+    for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, signal.default_int_handler)
+    if hasattr(signal, "SIGHUP") and signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:  # nohup
+        signal.signal(signal.SIGHUP, signal.default_int_handler)
     try:
         server.serve()
     except KeyboardInterrupt:

@@ -119,6 +119,8 @@ class TuneServer:
             self._http.shutdown()
             self._http.server_close()
             listening.join()
+            with self._lock:  # a file that is being written is finished
+                pass
 
     def close(self) -> None:
         """Stop serving, from another thread; a search under way is asked to end."""

@@ -28,6 +28,17 @@ def test_another_source_finds_nothing_and_clears_up(tmp_path):
     assert len(list(tmp_path.iterdir())) == 1
 
 
+def test_what_is_damaged_is_not_there_and_said(tmp_path):
+    kept = of(tmp_path)
+    kept.save("key", "value")
+    (file,) = tmp_path.iterdir()
+    assert (kept.load("other"), kept.damaged) == (None, None)
+    for damaged in (b"", file.read_bytes()[:40], b"x" + file.read_bytes()[1:]):
+        file.write_bytes(damaged)
+        found = of(tmp_path)
+        assert (found.load("key"), found.damaged) == (None, file)
+
+
 def test_flushed_it_is_empty(tmp_path):
     of(tmp_path).save("key", "value")
     of(tmp_path).flush()
