@@ -38,7 +38,7 @@ class Stop:
         What is done when the first signal comes.
     """
 
-    def __init__(self, finishing: str) -> None:
+    def __init__(self, finishing: str = "with the best so far") -> None:
         self._number: int | None = None
         self._next = f"finishing {finishing}"
 
@@ -73,9 +73,7 @@ class Stop:
 
 
 @contextlib.contextmanager
-def stop_on_interrupt(
-    *, wanted: bool, finishing: str = "with the best so far"
-) -> Iterator[Stop]:
+def stop_on_interrupt(*, wanted: bool, finishing: str = "with the best so far") -> Iterator[Stop]:
     """A :class:`Stop` that tells whether to stop.
 
     A signal that the process was started to ignore stays ignored, as by ``nohup``.
