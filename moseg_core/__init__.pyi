@@ -100,6 +100,7 @@ from moseg_core.samples import sample_labels_path as sample_labels_path
 from moseg_core.samples import sample_path as sample_path
 from moseg_core.search.clipped_result import clip as clip
 from moseg_core.search.evaluator import ProblemEvaluator as ProblemEvaluator
+from moseg_core.search.incumbents import Incumbent as Incumbent
 from moseg_core.search.levels import check_hierarchy as check_hierarchy
 from moseg_core.search.levels import refine as refine
 from moseg_core.search.levels import segment_hierarchy as segment_hierarchy

@@ -8,17 +8,18 @@ from pathlib import Path
 from moseg_core.cli.console import message
 from moseg_core.cli.flags import ShapeFlags
 from moseg_core.cli.reading import named_labels, read_label_property, read_shape
-from moseg_core.errors import UsageError
+from moseg_core.errors import ShapeError, UsageError
 from moseg_core.io import read_labels, read_result, write_file
 from moseg_core.io.files import instead_of
 from moseg_core.io.labels.reading import bearing_suffixes
-from moseg_core.io.result_loading import find_shape
+from moseg_core.io.result_loading import find_shape, load_result
 from moseg_core.io.whole_file import check_destination
 from moseg_core.search.showing import open_page
 from moseg_core.shape.shape import Shape
 from moseg_core.view.page.content import PageContent, middle_places
 from moseg_core.view.page.document import page_document
 from moseg_core.view.page.html import page_html
+from moseg_core.view.page.steps import SearchSteps, search_steps
 
 
 def run_view(
@@ -68,12 +69,21 @@ def _content(shape: Shape, path: Path, label_property: str | None) -> PageConten
         shape=shape,
         labels=labels,
         names=names,
+        search=None if saved is None else _search(path, shape),
         evaluation=None if saved is None else saved.evaluation,
         warnings=() if saved is None else saved.warnings,
         centers=None
         if saved is not None and saved.statement.parts
         else middle_places(shape, labels, len(names)),
     )
+
+
+def _search(path: Path, shape: Shape) -> SearchSteps | None:
+    """How the search went whose result a file is, where that is known."""
+    try:
+        return search_steps(load_result(path, shape))
+    except (UsageError, ShapeError):  # objectives that are not installed, or another shape
+        return None
 
 
 def _bearing(source: Path) -> Path:

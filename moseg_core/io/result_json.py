@@ -23,6 +23,7 @@ from moseg_core.problem.hierarchy import Hierarchy
 from moseg_core.problem.problem import Problem
 from moseg_core.problem.settings import NO_REFINER, RECIPE_OPTIONS, SearchOptions
 from moseg_core.problem.statement import KEYS, Statement, joined
+from moseg_core.search.incumbents import Incumbent
 from moseg_core.search.result import Result
 from moseg_core.types import IntArray
 
@@ -53,6 +54,8 @@ class SavedResult:
     history : mapping of str to list of dict
     dimension : (int, int)
         How many numbers the search had to find, and how many describe the segmentation.
+    incumbents : tuple of Incumbent
+        Empty where the file, an older one perhaps, has none.
     """
 
     shape: Mapping[str, Any]
@@ -68,6 +71,7 @@ class SavedResult:
     versions: Mapping[str, str]
     history: Mapping[str, list[dict[str, float]]]
     dimension: tuple[int, int] = (0, 0)
+    incumbents: tuple[Incumbent, ...] = ()
 
     def search(self, path: str = "") -> SearchOptions:
         """The search options that a level's run had settled on, the whole's by default.
@@ -140,7 +144,7 @@ def _from_document(document: dict[str, Any]) -> SavedResult:
         for term in document["terms"]
     )
     cost = document["cost"]
-    parts = document["parts"]
+    centers = Centers.joined([_read_centers(part) for part in document["parts"]])
     problem = document["problem"]
     return SavedResult(
         shape=with_path(document["shape"]),
@@ -153,7 +157,7 @@ def _from_document(document: dict[str, Any]) -> SavedResult:
             empty=tuple(cost["empty"]),
             broken_pins=cost["broken_pins"],
         ),
-        centers=Centers.joined([_read_centers(part) for part in parts]),
+        centers=centers,
         method=document["method"],
         seed=document["seed"],
         reason=document["reason"],
@@ -161,6 +165,7 @@ def _from_document(document: dict[str, Any]) -> SavedResult:
         versions=document["versions"],
         history=document["history"],
         dimension=_read_dimension(document.get("dimension", {})),
+        incumbents=tuple(_read_incumbent(step, centers) for step in document.get("incumbents", [])),
     )
 
 
@@ -206,6 +211,11 @@ def write_json(result: Result) -> bytes:
             ]
             for stage, records in result.history.items()
         },
+        **(
+            {"incumbents": [_incumbent_document(step) for step in result.incumbents]}
+            if result.incumbents
+            else {}
+        ),
         "labels": result.labels.tolist(),
     }
     # One line per entry: readable, and a change of one number is a change of one line.
@@ -229,6 +239,40 @@ def _read_centers(part: Mapping[str, Any]) -> Centers:
         positions=np.array([row["center"] for row in rows], np.float64),
         weights=np.array([row["weight"] for row in rows], np.float64),
         parts=np.zeros(len(rows), np.int64) if len(rows) > 1 else None,
+    )
+
+
+def _incumbent_document(step: Incumbent) -> dict[str, Any]:
+    """An incumbent; of each centre position and weight, in the order of the parts."""
+    rows = np.column_stack([step.centers.positions, step.centers.weights])
+    return {
+        "stage": step.stage,
+        "evaluations": step.evaluations,
+        "value": step.cost.value,
+        "empty": step.cost.empty,
+        "centers": rows.tolist(),
+    }
+
+
+def _read_incumbent(document: Mapping[str, Any], like: Centers) -> Incumbent:
+    """The incumbent that :func:`_incumbent_document` wrote; its parts have centres as the result's.
+
+    Raises
+    ------
+    KeyError, TypeError, ValueError
+        It is none.
+    """
+    rows = np.array(document["centers"], np.float64)
+    if rows.shape != (len(like.weights), 4):
+        raise ValueError("an incumbent has another number of centres than the result")
+    value = float(document["value"])
+    if not (np.isfinite(rows).all() and (rows[:, 3] > 0.0).all() and math.isfinite(value)):
+        raise ValueError("an incumbent has a centre, a weight or a cost that is none")
+    return Incumbent(
+        stage=str(document["stage"]),
+        evaluations=int(document["evaluations"]),
+        cost=Cost(int(document["empty"]), value),
+        centers=replace(like, positions=rows[:, :3].copy(), weights=rows[:, 3].copy()),
     )
 
 

@@ -98,6 +98,7 @@ def load_result(
         versions=saved.versions,
         reason=saved.reason,
         dimension=saved.dimension,
+        incumbents=saved.incumbents,
         warnings=saved.warnings,
     )
 

@@ -73,6 +73,7 @@ class Outcome:
             "versions",
             "reason",
             "dimension",
+            "incumbents",
             "warnings",
         )
         return cls(number, {name: getattr(result, name) for name in names}, failure)

@@ -268,7 +268,13 @@ def numbered_by_size(result: Result, statement: Statement) -> Result:
     if not math.isclose(evaluation.cost.value, result.cost, rel_tol=1e-9, abs_tol=1e-12):
         return result
     found = replace(
-        result, labels=labels, centers=result.centers.ordered(order), evaluation=evaluation
+        result,
+        labels=labels,
+        centers=result.centers.ordered(order),
+        incumbents=tuple(
+            replace(step, centers=step.centers.ordered(order)) for step in result.incumbents
+        ),
+        evaluation=evaluation,
     )
     told = find_warnings(result.evaluation, result.segmentation, problem.labels, result.reason)
     others = tuple(warning for warning in result.warnings if warning not in told)

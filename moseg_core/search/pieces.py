@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -70,6 +71,15 @@ class Kept:
             found[name] = here[here >= 0] if known else here
         return found
 
+    @cached_property
+    def nearest(self) -> IntArray:
+        """(F,) int: for each element of the whole the kept one whose label it gets."""
+        near = np.empty(self.whole.n_elements, np.int64)
+        near[self.elements] = np.arange(len(self.elements))
+        left = np.setdiff1d(np.arange(len(near)), self.elements)
+        near[left] = cKDTree(self.shape.points).query(self.whole.points[left])[1]
+        return near
+
     def returned(self, result: Result, pins: PinsGiven = None) -> Result:
         """The result with the small pieces back, under the label of the nearest part or their pin.
 
@@ -77,11 +87,8 @@ class Kept:
         --------
         See :func:`without_small_pieces`.
         """
-        labels = np.empty(self.whole.n_elements, np.int32)
-        labels[self.elements] = result.labels
+        labels = result.labels[self.nearest]
         left = np.setdiff1d(np.arange(len(labels)), self.elements)
-        near = cKDTree(self.shape.points).query(self.whole.points[left])[1]
-        labels[left] = result.labels[near]
         names = list(result.problem.labels)
         for name, numbers in (pins or {}).items():
             pinned = np.intersect1d(np.atleast_1d(np.asarray(numbers)), left)

@@ -35,6 +35,7 @@ from moseg_core.search.best_so_far import TrackedWorkers
 from moseg_core.search.checked_partition import make_partition
 from moseg_core.search.evaluator import ProblemEvaluator
 from moseg_core.search.exchange import exchanged_vector
+from moseg_core.search.incumbents import EXCHANGE, Incumbent, followed
 from moseg_core.search.run import Run, RunOutcome, anew, go_on, set_up
 from moseg_core.search.workers import Task, Workers
 from moseg_core.shape.coarse import WORTH, coarse_pins, coarsen
@@ -219,7 +220,12 @@ class Plan:
         vector, cost = exchanged_vector(evaluator, outcome.vector, outcome.cost, frozen=self.frozen)
         if vector is outcome.vector:
             return outcome
-        return replace(outcome, vector=vector, cost=cost)
+        centers = evaluator.parameterization.decode(vector)
+        step = Incumbent(
+            stage=EXCHANGE, evaluations=outcome.evaluations, cost=cost, centers=centers
+        )
+        incumbents = followed(outcome.incumbents, [step])
+        return replace(outcome, vector=vector, cost=cost, incumbents=incumbents)
 
     def settled(
         self, run: Run, outcome: RunOutcome, evaluator: ProblemEvaluator, *, report: Report
@@ -250,8 +256,15 @@ class Plan:
             vector = carried(better.vector, fine, whole)
             better = replace(better, vector=vector, cost=whole.evaluate(vector).cost)
         reason = "seconds" if better.reason == "seconds" else outcome.reason
-        history = {**outcome.history, **better.history}
-        return replace(better, reason=reason, history=history, warning=outcome.warning)
+        done = outcome.evaluations
+        return replace(
+            better,
+            reason=reason,
+            history={**outcome.history, **better.history},
+            warning=outcome.warning,
+            evaluations=done + better.evaluations,
+            incumbents=followed(outcome.incumbents, better.incumbents, done=done),
+        )
 
 
 def _counted(what: str, k: int, of: int) -> str:

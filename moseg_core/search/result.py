@@ -15,6 +15,7 @@ from moseg_core.components.segmentation import Segmentation
 from moseg_core.problem.aggregate import Evaluation
 from moseg_core.problem.hierarchy import Hierarchy
 from moseg_core.problem.problem import Problem
+from moseg_core.search.incumbents import Incumbent
 from moseg_core.search.named import Named
 from moseg_core.search.part_measures import measure_parts
 from moseg_core.search.part_table import PartTable
@@ -58,6 +59,10 @@ class Result:
         differ where constraints give some from others.
     history : mapping of str to tuple of dict
         For each stage a record per round or iteration.
+    incumbents : tuple of Incumbent
+        How the search came to its result: the best candidate at some moments, from the start of
+        the search that won to the end. Empty where it is not known, and of a hierarchy: its levels
+        have theirs.
     method : mapping of str to str
         Parameterization, seeder, labeler, optimizer and refiner as chosen, and the settings.
     seed : int
@@ -84,6 +89,7 @@ class Result:
     versions: Mapping[str, str]
     reason: str
     dimension: tuple[int, int] = (0, 0)
+    incumbents: tuple[Incumbent, ...] = ()
     warnings: tuple[str, ...] = ()
     clipped: Clipped | None = None
     levels: Mapping[str, Result] = field(default_factory=dict)

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -29,6 +29,7 @@ from moseg_core.components.protocols import (
 from moseg_core.errors import REPORT, MosegError, PluginError
 from moseg_core.problem.constraints import Constraints
 from moseg_core.search.evaluator import ProblemEvaluator
+from moseg_core.search.incumbents import START, Improvement, Incumbent, followed, note
 from moseg_core.types import BoolArray, FloatArray
 
 
@@ -48,6 +49,10 @@ class RunOutcome:
         From the seeder; empty where all is well.
     failure : MosegError or None
         What ended the search, where that was an error.
+    evaluations : int
+        Candidates evaluated so far.
+    incumbents : tuple of Incumbent
+        How the search came there.
     """
 
     vector: FloatArray
@@ -56,6 +61,8 @@ class RunOutcome:
     history: Mapping[str, tuple[dict[str, float], ...]]
     warning: str = ""
     failure: MosegError | None = None
+    evaluations: int = 0
+    incumbents: tuple[Incumbent, ...] = ()
 
 
 @dataclass(eq=False, kw_only=True)
@@ -81,6 +88,10 @@ class Run:
         Candidates evaluated so far.
     earlier : tuple of dict
         History of the search that this one goes on from.
+    improvements : list of Improvement
+        The optimizer's best, each time that it had become better.
+    incumbents : tuple of Incumbent
+        Of the search that this one goes on from.
     """
 
     search: Optimizer | None
@@ -91,6 +102,8 @@ class Run:
     warning: str = ""
     evaluations: int = 0
     earlier: tuple[dict[str, float], ...] = ()
+    improvements: list[Improvement] = field(default_factory=list)
+    incumbents: tuple[Incumbent, ...] = ()
 
 
 def set_up(
@@ -139,6 +152,7 @@ def anew(
         warning=run.warning,
         evaluations=run.evaluations,
         earlier=outcome.history[stage],
+        incumbents=outcome.incumbents,
     )
 
 
@@ -182,6 +196,8 @@ def go_on(
             reason="converged",
             history={**seeding, stage: run.earlier},
             warning=run.warning,
+            evaluations=run.evaluations,
+            incumbents=run.incumbents,
         )
     with timed("stage", stage):
         reason = _ask_and_tell(run, search, evaluator, ready, report, deadline, until)
@@ -193,6 +209,8 @@ def go_on(
         reason=reason,
         history={**seeding, stage: _followed(run.earlier, records)},
         warning=run.warning,
+        evaluations=run.evaluations,
+        incumbents=followed(run.incumbents, _incumbents(run, evaluator)),
     )
 
 
@@ -208,6 +226,7 @@ def _ask_and_tell(
     """The loop; why it ended."""
     with ready.guard():
         finished = search.finished
+    least = run.improvements[-1].cost if run.improvements else WORST
     while not finished:
         if run.evaluations >= until:
             return "paused"
@@ -215,14 +234,43 @@ def _ask_and_tell(
         costs = _costs(evaluator, batch, _filled(batch.vectors, run.base, run.free))
         with ready.guard():
             search.tell(costs)
-            finished, best, fraction = search.finished, search.best[1], search.progress
+            finished, (found, best), fraction = search.finished, search.best, search.progress
         run.evaluations += len(batch.vectors)
+        if best < least and math.isfinite(best.value):
+            least = best
+            _note(run, found, best)
         stop = report(Progress(stage=run.stage, done=run.evaluations, best=best, fraction=fraction))
         if stop and not finished:
             return "interrupted"
         if deadline is not None and time.monotonic() >= deadline and not finished:
             return "seconds"
     return finished
+
+
+def _note(run: Run, found: FloatArray, cost: Cost) -> None:
+    """Note an incumbent of a run, in the coordinates that the constraints leave."""
+    vector = _filled(np.asarray(found)[None], run.base, run.free)[0]
+    first = not run.improvements and not run.incumbents and run.stage != "polish"
+    stage = "polish" if run.stage == "polish" else "search"
+    if first and np.array_equal(vector, run.base):
+        stage = START
+    note(run.improvements, Improvement(stage, run.evaluations, cost, vector))
+
+
+def _incumbents(run: Run, evaluator: ProblemEvaluator) -> list[Incumbent]:
+    """The improvements of a run, as centres."""
+    if not run.improvements:
+        return []
+    vectors = evaluator.constraints.expand(np.array([step.vector for step in run.improvements]))
+    return [
+        Incumbent(
+            stage=step.stage,
+            evaluations=step.evaluations,
+            cost=step.cost,
+            centers=evaluator.parameterization.decode(vector),
+        )
+        for step, vector in zip(run.improvements, vectors, strict=True)
+    ]
 
 
 def _costs(evaluator: ProblemEvaluator, batch: Batch, free: FloatArray) -> list[Cost]:

@@ -34,6 +34,7 @@ from moseg_core.search.beginning import until
 from moseg_core.search.checked_partition import make_partition
 from moseg_core.search.evaluator import ProblemEvaluator
 from moseg_core.search.exchange import best_order
+from moseg_core.search.incumbents import END, Incumbent, kept_incumbents
 from moseg_core.search.pieces import on_large_pieces
 from moseg_core.search.refinement import ReadyRefiner, Refinement
 from moseg_core.search.restarts import (
@@ -324,6 +325,13 @@ def _result(
             {"value": o.cost.value, "empty": o.cost.empty, "finalist": int(o.reason != "paused")}
             for o in outcomes
         )
+    centers = whole.parameterization.decode(best.vector)
+    last = Incumbent(
+        stage=END,
+        evaluations=best.evaluations,
+        cost=found.evaluation.cost,
+        centers=centers,
+    )
     chosen: dict[str, str] = {
         kind: str(Choice(ready[kind].component.id, ready[kind].parameters)) for kind in ready
     }
@@ -332,8 +340,9 @@ def _result(
         problem=problem,
         labels=found.labels,
         evaluation=found.evaluation,
-        centers=whole.parameterization.decode(best.vector),
+        centers=centers,
         history=history,
+        incumbents=kept_incumbents(best.incumbents, last, size=whole.shape.frame.scale),
         method={
             **chosen,
             **({"embedding": str(problem.embedding)} if problem.embedding else {}),

@@ -9,11 +9,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from moseg_core.components.cost import Cost
 from moseg_core.components.detail import Detail
 from moseg_core.components.protocols import Centers
 from moseg_core.errors import UsageError
 from moseg_core.io.result_json import FORMAT, evaluation_document, read_result, write_json
 from moseg_core.language import Target
+from moseg_core.search.incumbents import Incumbent
 from tests.results import result_on
 
 
@@ -85,6 +87,46 @@ def test_json_has_no_word_for_infinity_and_nan(box, tmp_path):
     assert b"NaN" not in path.read_bytes()
     assert read_result(path).history["search"] == [{"iteration": 0, "value": None}]
     assert read_result(path).evaluation.terms[0].worst == math.inf
+
+
+def incumbent(stage, evaluations):
+    centers = Centers(positions=np.arange(6.0).reshape(2, 3), weights=np.array([1.0, 2.5]))
+    return Incumbent(stage=stage, evaluations=evaluations, cost=Cost(1, 0.25), centers=centers)
+
+
+def test_how_the_search_went_is_read_back_and_may_be_missing(box, tmp_path):
+    path = tmp_path / "x.json"
+    path.write_bytes(write_json(result_on(box)))
+    assert read_result(path).incumbents == ()
+    result = result_on(box, incumbents=(incumbent("start", 1), incumbent("end", 40)))
+    path.write_bytes(write_json(result))
+    first, last = read_result(path).incumbents
+    assert (first.stage, first.evaluations, first.cost) == ("start", 1, Cost(1, 0.25))
+    assert last.centers.positions.tolist() == [[0, 1, 2], [3, 4, 5]]
+    assert last.centers.weights.tolist() == [1.0, 2.5]
+    line = next(line for line in path.read_text().splitlines() if line.startswith('"incumbents"'))
+    assert '"centers": [[0.0, 1.0, 2.0, 1.0], [3.0, 4.0, 5.0, 2.5]]' in line
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("centers", [[0.0, 1.0, 2.0, 1.0]]),
+        ("centers", [[0.0, 1.0, 2.0, 1.0], [0.0, 1.0, 2.0, -1.0]]),
+        ("centers", [[0.0, math.inf, 2.0, 1.0], [0.0, 1.0, 2.0, 1.0]]),
+        ("centers", None),
+        ("value", math.nan),
+        ("evaluations", "many"),
+    ],
+)
+def test_a_step_of_the_search_that_is_none_is_refused(box, tmp_path, key, value):
+    path = tmp_path / "x.json"
+    path.write_bytes(write_json(result_on(box, incumbents=(incumbent("start", 1),))))
+    document = json.loads(path.read_text())
+    document["incumbents"][0][key] = value
+    path.write_text(json.dumps(document))
+    with pytest.raises(UsageError, match="is a damaged result"):
+        read_result(path)
 
 
 @pytest.mark.parametrize(

@@ -1,12 +1,13 @@
 // The page of a result: it reads the data that Python put into it, and wires scene and panel.
 //
 // `unpack.js` makes arrays of the data, `stage.js` is the scene, `panel.js` the tables beside it,
-// `centers.js` what a click on the surface says. What is chosen, isolated and hovered is kept here.
+// `centers.js` what a click on the surface says, `steps.js` how the search went. What is chosen, isolated and hovered is kept here.
 
 import { Centers } from "./centers.js";
 import { percent } from "./numbers.js";
 import { fillHeader, fillParts, fillTerms, make, nameOf } from "./panel.js";
 import { Stage } from "./stage.js";
+import { startSteps } from "./steps.js";
 import { startTuning } from "./tune.js";
 import { unpackGeometry } from "./unpack.js";
 
@@ -28,6 +29,7 @@ function start() {
     hide: (k, hidden) => stage?.hide(k, hidden),
   });
   let tuning = null;
+  let steps = null;
   const dark = followTheme((on) => stage?.setDark(on));
   try {
     stage = new Stage(byId("canvas"), {
@@ -88,8 +90,9 @@ function start() {
       const part = page.parts[k];
       const color = make("span", { className: "swatch" });
       color.style.background = part.color;
-      tip.replaceChildren(color, nameOf(part.name), make("span", {}, percent(part.share)));
-      say(`${part.name}, ${percent(part.share)} of the ${page.measure}`);
+      const now = steps?.atEnd ?? true; // on the way there, parts had other sizes
+      tip.replaceChildren(color, nameOf(part.name), make("span", {}, now ? percent(part.share) : ""));
+      say(now ? `${part.name}, ${percent(part.share)} of the ${page.measure}` : part.name);
     }
     show();
   }
@@ -141,7 +144,7 @@ function start() {
         unspeakable.join("; ")
       : `Still without a centre: ${missing.join(", ")}. The option needs one for every label.`;
     const marks = [...centers.places].map(([part, at]) => ({ part, at, chosen: part === state.chosen }));
-    stage.mark(state.placing ? marks : []);
+    stage.mark(state.placing ? marks : steps?.marks ?? []);
   }
 
   for (const button of document.querySelectorAll("[data-copy]")) {
@@ -200,6 +203,8 @@ function start() {
     "-": () => stage.viewpoint.zoom(1 / ZOOM),
     0: () => reset(),
     Home: () => reset(),
+    ",": () => steps?.go(-1),
+    ".": () => steps?.go(1),
   };
   document.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
@@ -219,6 +224,7 @@ function start() {
   function reset() {
     byId("explode").value = 0;
     stage.explosion = 0;
+    steps?.end();
     for (const box of document.querySelectorAll("#parts input")) box.checked = true;
     stage.hidden.clear();
     everything();
@@ -253,6 +259,17 @@ function start() {
     }
     seen = true;
   }).observe(canvas);
+  if (page.steps) {
+    steps = startSteps(page.steps, {
+      labels: stage.labels,
+      show: (labels) => {
+        hover(null);
+        stage.setLabels(labels);
+        showCenters();
+        show();
+      },
+    });
+  }
   if (page.tune) tuning = startTuning(page, { centers, stage });
   show();
   return { page, state, centers, stage };

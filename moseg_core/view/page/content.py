@@ -16,6 +16,7 @@ from moseg_core.problem.hierarchy import Hierarchy
 from moseg_core.search.result import Result
 from moseg_core.shape.shape import Shape
 from moseg_core.types import FloatArray, IntArray
+from moseg_core.view.page.steps import SearchSteps, search_steps
 
 if TYPE_CHECKING:
     from moseg_core.clipping.clip import Clipped
@@ -41,6 +42,8 @@ class PageContent:
         label has none. Without them, centres cannot be placed.
     clipped : Clipped or None
         The surface with its boundaries cut, to be drawn in place of the shape's own.
+    search : SearchSteps or None
+        How the search went, where that is known.
     """
 
     shape: Shape
@@ -50,6 +53,7 @@ class PageContent:
     warnings: tuple[str, ...] = ()
     centers: FloatArray | None = None
     clipped: Clipped | None = None
+    search: SearchSteps | None = None
 
     @classmethod
     def of_result(cls, result: Result) -> PageContent:
@@ -67,6 +71,7 @@ class PageContent:
             warnings=result.warnings,
             centers=centers,
             clipped=result.clipped,
+            search=search_steps(result),
         )
 
 

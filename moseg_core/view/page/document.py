@@ -13,11 +13,13 @@ from typing import Any
 import numpy as np
 
 from moseg_core.problem.aggregate import Evaluation
+from moseg_core.search.incumbents import Incumbent
 from moseg_core.types import IntArray
 from moseg_core.view.camera import standing_axes
 from moseg_core.view.legend import one_line
 from moseg_core.view.page.content import PageContent
-from moseg_core.view.page.packing import MOST_POINTS, MOST_TRIANGLES, packed
+from moseg_core.view.page.packing import MOST_POINTS, MOST_TRIANGLES, Packed, packed
+from moseg_core.view.page.steps import SearchSteps, Step, packed_changes
 from moseg_core.view.palette import part_colors
 from moseg_core.view.upright import standing_of
 
@@ -94,6 +96,32 @@ def page_document(
         "steerable": content.centers is not None,
         "view": {"right": right, "up": up, "front": front, "said": standing.said},
         "geometry": shown.document,
+        **({} if content.search is None else {"steps": _steps(content.search, shown)}),
+    }
+
+
+def _steps(search: SearchSteps, shown: Packed) -> list[dict[str, Any]]:
+    """From the start to the result, whose labels are those of the geometry."""
+    end = {"centers": [], "changes": "", "refined": search.refined}
+    return [
+        {
+            **_step(step),
+            "centers": [
+                {"part": part, "at": place}
+                for part, place in zip(step.parts.tolist(), step.places.tolist(), strict=True)
+            ],
+            "changes": changes,
+        }
+        for step, changes in packed_changes(search.before, shown.elements, shown.labels)
+    ] + [{**_step(search.last), **end}]
+
+
+def _step(step: Step | Incumbent) -> dict[str, Any]:
+    return {
+        "stage": step.stage,
+        "evaluations": step.evaluations,
+        "cost": step.cost.value,
+        "empty": step.cost.empty,
     }
 
 

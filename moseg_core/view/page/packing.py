@@ -42,6 +42,8 @@ class Packed:
         The corners of the triangles that are drawn; of points three times the point.
     labels : (T,) int
         Of each triangle or point that is drawn.
+    elements : (T,) int
+        The element of the shape that each of them is of.
     drawn, known : int
         How many triangles or points are drawn, and how many the shape has.
     """
@@ -49,6 +51,7 @@ class Packed:
     document: dict[str, Any]
     corners: FloatArray
     labels: IntArray
+    elements: IntArray
     drawn: int
     known: int
 
@@ -100,6 +103,7 @@ def packed(
         document=document,
         corners=places[triangles],
         labels=left.labels,
+        elements=source,
         drawn=len(triangles),
         known=len(geometry.triangles),
     )
@@ -123,6 +127,7 @@ def _packed_points(cloud: PointCloud, labels: IntArray, own: IntArray, most: int
         document=document,
         corners=np.repeat(cloud.vertices[kept][:, None], 3, axis=1),
         labels=labels[kept],
+        elements=own[kept],
         drawn=len(kept),
         known=count,
     )
