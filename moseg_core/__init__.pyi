@@ -98,6 +98,9 @@ from moseg_core.problem.settings import SearchOptions as SearchOptions
 from moseg_core.problem.statement import Statement as Statement
 from moseg_core.samples import sample_labels_path as sample_labels_path
 from moseg_core.samples import sample_path as sample_path
+from moseg_core.search.alignment import Alignment as Alignment
+from moseg_core.search.alignment import Template as Template
+from moseg_core.search.alignment import align as align
 from moseg_core.search.clipped_result import clip as clip
 from moseg_core.search.evaluator import ProblemEvaluator as ProblemEvaluator
 from moseg_core.search.incumbents import Incumbent as Incumbent
@@ -112,6 +115,7 @@ from moseg_core.search.variants import segment_variants as segment_variants
 from moseg_core.search.workers import Workers as Workers
 from moseg_core.search.workers import available_workers as available_workers
 from moseg_core.shape.adjacency import Adjacency as Adjacency
+from moseg_core.shape.alignment import Similarity as Similarity
 from moseg_core.shape.appearance import Appearance as Appearance
 from moseg_core.shape.appearance import CornerValues as CornerValues
 from moseg_core.shape.coarse import coarsen as coarsen

@@ -175,7 +175,10 @@ class SteeringFlags:
         Place the centres by hand: label=x,y,z,label=x,y,z; for the seeder "given", or another
         that takes centres.
     start
-        Go on from an earlier result (.json), also under another --minimize.
+        Go on from an earlier result (.json) of this shape, also under another --minimize.
+    start_from
+        Begin with an earlier result (.json) of another shape of the kind, laid onto this one: its
+        labels stay with the parts that they stand for. Its shape lies where it was, or beside it.
     pin
         Elements (faces, points or cells, counted from 0) that must bear a label: head=120,121.
         Repeatable.
@@ -185,6 +188,7 @@ class SteeringFlags:
 
     centers: str | None = None
     start: Path | None = None
+    start_from: Path | None = None
     pin: Repeated = None
     freeze: str | None = None
 

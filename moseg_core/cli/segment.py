@@ -30,6 +30,7 @@ from moseg_core.cli.request import (
     read_search,
     read_start,
     read_statement,
+    read_template,
     read_variants,
 )
 from moseg_core.cli.saving import check_outputs, check_saving, raise_last, save_outputs
@@ -38,6 +39,7 @@ from moseg_core.cli.working_folder import working_folder_kept
 from moseg_core.clipping.clip import check_clippable
 from moseg_core.components.faults import describe
 from moseg_core.components.profile import timed
+from moseg_core.components.protocols import Centers
 from moseg_core.errors import REPORT, MosegError, PluginError, UsageError
 from moseg_core.io.part_files import PartForm
 from moseg_core.io.result_json import SavedResult, evaluation_document
@@ -45,6 +47,7 @@ from moseg_core.problem.label_sets import set_text
 from moseg_core.problem.slow_calls import naming_slow_calls
 from moseg_core.problem.statement import SEPARATOR
 from moseg_core.problem.variants import Variants
+from moseg_core.search.alignment import Alignment, Template, align
 from moseg_core.search.clipped_result import check_components, clip
 from moseg_core.search.number_of_parts import TRIED, solve_parts
 from moseg_core.search.pieces import searched_part
@@ -73,11 +76,10 @@ def run_segment(
 
     Where the search fails, and files were asked for, these receive the best that it had found.
     """
-    if steering.start is not None and steering.centers is not None:
-        raise UsageError("--start and --centers both say where to begin; give one of them")
+    _check_one_start(steering)
     if problem_flags.parts is not None:
         _check_unsteered(steering)
-    earlier = read_start(steering.start)
+    earlier = read_start(steering.start or steering.start_from)
     pinned = read_pins(steering.pin or [])
     frozen = [name.strip() for name in steering.freeze.split(",")] if steering.freeze else []
     variants = read_variants(problem_flags, start=earlier)
@@ -95,11 +97,14 @@ def run_segment(
             check_components(prepare_components(each.problem, options.settled(each.search)))
             if each.children:
                 raise UsageError("boundaries can be clipped for results of one level only, so far")
-    start_centers = None
+    start: Centers | Alignment | None = None
     if earlier is not None:
-        start_centers = matched_centers(
+        start = matched_centers(
             earlier.names, earlier.centers, problem, embedding=earlier.statement.embedding
         )
+    template = None
+    if earlier is not None and steering.start_from is not None:
+        template = read_template(steering.start_from, earlier)
     check_frozen(problem, frozen)
     form = PartForm(
         close=part_flags.close, hulls=part_flags.hulls, hull_vertices=part_flags.hull_vertices
@@ -115,10 +120,14 @@ def run_segment(
     if clipped:
         check_clippable(shape)
     check_saving(shape, outputs, form, quiet=quiet)
-    if earlier is not None and earlier.shape.get("fingerprint") != shape.fingerprint:
+    if template is not None:
+        with waiting(f"laying '{template.name}' onto '{shape.name}'", quiet=quiet):
+            start = align(template, shape, problem)
+        message(_how_near(template, start), quiet=quiet)
+    elif earlier is not None and earlier.shape.get("fingerprint") != shape.fingerprint:
         message(
             f"warning: {steering.start} is a result of another shape,"
-            f" '{earlier.shape.get('name')}'",
+            f" '{earlier.shape.get('name')}'; --start-from lays that onto this one",
             quiet=quiet,
         )
     for note in shape.notes:
@@ -144,7 +153,7 @@ def run_segment(
                         shape,
                         variants,
                         options,
-                        start=start_centers,
+                        start=start,
                         freeze=frozen,
                         pins=pinned,
                         report=lambda progress: show(progress) or stop(),
@@ -196,6 +205,30 @@ def run_segment(
         stop.raise_if_asked()
 
 
+def _check_one_start(steering: SteeringFlags) -> None:
+    """Refuse several places to begin at."""
+    given = [
+        option
+        for option, value in (
+            ("--start", steering.start),
+            ("--start-from", steering.start_from),
+            ("--centers", steering.centers),
+        )
+        if value is not None
+    ]
+    if len(given) > 1:
+        raise UsageError(f"{' and '.join(given)} both say where to begin; give one of them")
+
+
+def _how_near(template: Template, alignment: Alignment) -> str:
+    """How an earlier shape was laid onto this one."""
+    similarity = alignment.similarity
+    return (
+        f"'{template.name}' is laid onto it, {similarity.scale:.3g} times as large; the surfaces"
+        f" are {100 * similarity.distance:.2g} % of the diagonal apart"
+    )
+
+
 def next_step(shape: Path, written: Sequence[Path]) -> str:
     """What a user may do next with the files that were written; logs need not know.
 
@@ -221,7 +254,8 @@ def _steered(
 ) -> Variants:
     """The label sets that have the labels which are steered, and no others where all must be."""
     if earlier is not None:
-        variants = variants.having(earlier.names, "--start", exactly=True)
+        option = "--start" if steering.start_from is None else "--start-from"
+        variants = variants.having(earlier.names, option, exactly=True)
     if steering.centers is not None:
         variants = variants.having(centered(steering.centers), "--centers", exactly=True)
     return variants.having(named, "--pin and --freeze") if named else variants
@@ -232,6 +266,7 @@ def _check_unsteered(steering: SteeringFlags) -> None:
     for option, given in (
         ("--centers", steering.centers),
         ("--start", steering.start),
+        ("--start-from", steering.start_from),
         ("--pin", steering.pin),
         ("--freeze", steering.freeze),
     ):

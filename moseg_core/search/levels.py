@@ -34,6 +34,7 @@ from moseg_core.problem.problem import Problem
 from moseg_core.problem.recipe import Recipe
 from moseg_core.problem.settings import OptionValues, SearchOptions
 from moseg_core.problem.statement import joined
+from moseg_core.search.alignment import Alignment
 from moseg_core.search.pieces import PinsGiven, on_large_pieces
 from moseg_core.search.restarts import Listener
 from moseg_core.search.result import Result
@@ -47,7 +48,7 @@ def segment_hierarchy(
     shape: Shape,
     task: Hierarchy | Recipe | Problem,
     *,
-    start: Centers | Result | None = None,
+    start: Centers | Result | Alignment | None = None,
     freeze: Sequence[str] = (),
     pins: Mapping[str, npt.ArrayLike] | None = None,
     report: Report | None = None,
@@ -107,7 +108,7 @@ def solve_hierarchy(
     hierarchy: Hierarchy,
     options: SearchOptions,
     *,
-    start: Centers | Result | None = None,
+    start: Centers | Result | Alignment | None = None,
     freeze: Sequence[str] = (),
     pins: Mapping[str, npt.ArrayLike] | None = None,
     report: Report | None = None,

@@ -30,6 +30,7 @@ from moseg_core.problem.settings import (
     SettledOptions,
     check_method,
 )
+from moseg_core.search.alignment import Alignment
 from moseg_core.search.beginning import until
 from moseg_core.search.checked_partition import make_partition
 from moseg_core.search.evaluator import ProblemEvaluator
@@ -63,7 +64,7 @@ def segment(
     optimizer: ComponentChoice = None,
     parameterization: ComponentChoice = None,
     refiner: ComponentChoice = None,
-    start: Centers | Result | None = None,
+    start: Centers | Result | Alignment | None = None,
     freeze: Sequence[str] = (),
     pins: Mapping[str, npt.ArrayLike] | None = None,
     restarts: int | str | None = None,
@@ -90,9 +91,10 @@ def segment(
         A component that moves boundaries once the search is over: ``"graph_cut(band=0.08)"``. By
         default the recipe's, or none; ``"none"`` leaves the recipe's out. Labels and cost are then
         those of the refined labelling, centres those of the partition that the search has found.
-    start : Centers or Result, optional
+    start : Centers, Result or Alignment, optional
         Go on from these centres, one per label in the problem's order, or as many as the
-        parameterization has, instead of seeding.
+        parameterization has, instead of seeding. A result is one of this shape; that of another is
+        laid onto it by :func:`moseg_core.align`.
     freeze : sequence of str
         Labels whose centre and weight stay where they start.
     pins : mapping of str to array_like of int, optional
@@ -176,7 +178,7 @@ def solve(
     options: SearchOptions,
     *,
     defaults: Method | None = None,
-    start: Centers | Result | None = None,
+    start: Centers | Result | Alignment | None = None,
     freeze: Sequence[str] = (),
     pins: Mapping[str, npt.ArrayLike] | None = None,
     report: Report | None = None,
@@ -247,6 +249,8 @@ def solve(
     result = _result(
         shape, plan, settled, ready, outcomes, best, found, interrupted=listener.stopped
     )
+    if isinstance(start, Alignment) and start.warnings:
+        result = replace(result, warnings=(*start.warnings, *result.warnings))
     failure = best.failure or found.failure
     if failure is not None:
         failure.result = result
@@ -359,8 +363,10 @@ def _result(
     )
 
 
-def _start_centers(start: Centers | Result | None, problem: Problem) -> Centers | None:
+def _start_centers(start: Centers | Result | Alignment | None, problem: Problem) -> Centers | None:
     """Centres in the problem's order, or a UsageError where they do not fit it."""
+    if isinstance(start, Alignment):
+        start = matched_centers(start.labels, start.centers, problem, embedding=start.embedding)
     if isinstance(start, Result):
         if isinstance(start.problem, Hierarchy):
             raise UsageError(
@@ -371,7 +377,7 @@ def _start_centers(start: Centers | Result | None, problem: Problem) -> Centers 
         start = matched_centers(start.problem.labels, start.centers, problem, embedding=embedding)
     n = len(problem.labels)
     if start is not None and not isinstance(start, Centers):
-        raise UsageError(f"the start must be Centers or a Result, not {start!r:.60}")
+        raise UsageError(f"the start must be Centers, a Result or an Alignment, not {start!r:.60}")
     if start is None:
         return None
     parts = np.arange(n) if start.parts is None else np.asarray(start.parts)

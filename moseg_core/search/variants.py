@@ -30,6 +30,7 @@ from moseg_core.problem.recipe import Recipe, load_recipe
 from moseg_core.problem.settings import OptionValues, SearchOptions
 from moseg_core.problem.statement import Statement
 from moseg_core.problem.variants import Variants
+from moseg_core.search.alignment import Alignment
 from moseg_core.search.alternatives import chosen_among
 from moseg_core.search.label_set_trial import Trial, for_task
 from moseg_core.search.levels import check_hierarchy, divided, solve_hierarchy
@@ -46,7 +47,7 @@ def segment_variants(
     shape: Shape,
     recipe: str | Recipe | Statement,
     *,
-    start: Centers | Result | None = None,
+    start: Centers | Result | Alignment | None = None,
     freeze: Sequence[str] = (),
     pins: Mapping[str, npt.ArrayLike] | None = None,
     report: Report | None = None,
@@ -104,8 +105,9 @@ def segment_variants(
     variants = Variants.of(statement)
     named = {*freeze, *(pins or {})}
     variants = variants.having(named, "freeze and pins") if named else variants
-    if isinstance(start, Result):
-        variants = variants.having(start.problem.labels, "start", exactly=True)
+    if isinstance(start, Result | Alignment):
+        names = start.labels if isinstance(start, Alignment) else start.problem.labels
+        variants = variants.having(names, "start", exactly=True)
     return solve_variants(
         shape,
         variants,
@@ -122,7 +124,7 @@ def solve_variants(
     variants: Variants,
     options: SearchOptions,
     *,
-    start: Centers | Result | None = None,
+    start: Centers | Result | Alignment | None = None,
     freeze: Sequence[str] = (),
     pins: Mapping[str, npt.ArrayLike] | None = None,
     report: Report | None = None,
@@ -142,7 +144,7 @@ def _solved(
     variants: Variants,
     options: SearchOptions,
     *,
-    start: Centers | Result | None,
+    start: Centers | Result | Alignment | None,
     freeze: Sequence[str],
     pins: Mapping[str, npt.ArrayLike] | None,
     report: Report | None,
