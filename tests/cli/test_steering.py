@@ -62,6 +62,47 @@ CUT = "graph_cut(band=0.1, field=none)"
 FEW = ("--optimizer", "pattern_search(max_evaluations=5)")
 
 
+def test_names_carry_over_to_another_shape(moseg, mallet, tmp_path):
+    """A mallet that lies otherwise, twice as large; its own search would not know which is which."""
+    first, second = tmp_path / "first.json", tmp_path / "second.json"
+    problem = ("--labels", "handle,head", "--minimize", SENTENCE)
+    by_hand = ("--centers", "handle=-0.5,0,0,head=2.2,0,0")
+    assert moseg("segment", mallet, *problem, *by_hand, "-o", first).code == 0
+    there = load(mallet)
+    turned = 2 * there.geometry.vertices[:, [1, 2, 0]] + 5
+    faces = there.geometry.triangles
+    other = tmp_path / "other.obj"
+    other.write_text(
+        "".join(f"v {x} {y} {z}\n" for x, y, z in turned.tolist())
+        + "".join(f"f {a} {b} {c}\n" for a, b, c in (faces + 1).tolist())
+    )
+    run = moseg("segment", other, "--start-from", first, "-o", second)
+    assert run.code == 0
+    assert "'mallet' is laid onto it, 2 times as large; the surfaces are" in run.err
+    labels = np.array(read(second)["labels"])
+    expected = np.array(read(first)["labels"])[there.geometry.triangle_polygon]
+    assert (labels == expected).mean() > 0.95
+    assert (
+        "--start-from lays that onto this one"
+        in moseg("segment", other, "--start", first, "--freeze", "handle,head").err
+    )
+
+    run = moseg("segment", other, "--start-from", first, "--start", first)
+    assert (run.code, run.err) == (
+        2,
+        "moseg: --start and --start-from both say where to begin; give one of them\n",
+    )
+    run = moseg("segment", other, "--start-from", first, *problem[2:], "--labels", "handle,top")
+    assert run.code == 2
+    assert "the start has the labels handle, head; the problem has handle, top" in run.err
+    run = moseg("segment", other, "--start-from", first, "--recipe", "any_shape", "--parts", "2")
+    assert "--start-from speaks of single labels" in run.err
+    mallet.rename(tmp_path / "elsewhere")
+    run = moseg("segment", other, "--start-from", first)
+    assert run.code == 3
+    assert "is not found; put it beside 'first.json'" in run.err
+
+
 def test_boundaries_are_refined_and_a_start_goes_on_from_the_centres(moseg, mallet, tmp_path):
     plain, cut, after = (tmp_path / f"{name}.json" for name in ("plain", "cut", "after"))
     askew = ("--centers", "handle=-1,0,0,head=1.5,0,0")
