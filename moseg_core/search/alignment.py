@@ -13,6 +13,7 @@ mirrors, since distances say no more.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from moseg_core.components.protocols import Centers
@@ -175,7 +176,7 @@ def align(earlier: Result | Template, shape: Shape, problem: Problem | None = No
     searched = shape if problem is None else problem.embed(shape)
     if not searched.frame.scale > 0.0:
         raise ShapeError(f"'{shape.name}' has no extent, so that nothing can be laid onto it")
-    similarity = align_points(
+    similarity, *others = align_points(
         template.samples, surface_samples(searched), mirrored=embedding is not None
     )
     centers = template.centers
@@ -187,11 +188,13 @@ def align(earlier: Result | Template, shape: Shape, problem: Problem | None = No
         centers=moved,
         similarity=similarity,
         embedding=template.embedding,
-        warnings=tuple(_warnings(similarity, template.name, shape.name)),
+        warnings=tuple(_warnings(similarity, others, template.name, shape.name)),
     )
 
 
-def _warnings(similarity: Similarity, earlier: str, name: str) -> list[str]:
+def _warnings(
+    similarity: Similarity, others: Sequence[Similarity], earlier: str, name: str
+) -> list[str]:
     found = []
     if similarity.distance > _FAR:
         found.append(
@@ -199,7 +202,7 @@ def _warnings(similarity: Similarity, earlier: str, name: str) -> list[str]:
             f" {100 * similarity.distance:.2g} % of the diagonal apart; names may stand for other"
             " parts than there"
         )
-    if similarity.ambiguous:
+    if any(similarity.rivals(other) for other in others):
         found.append(
             f"'{earlier}' can be laid onto '{name}' in several ways that are nearly as good; names"
             " may have changed places"

@@ -30,7 +30,7 @@ SAMPLES, _FEW, _SOME = 12_000, 250, 500
 #: Radians between rotations that are worth to be improved both.
 _NEAR = 0.35
 #: How many of the candidates are improved, in how many steps.
-_IMPROVED, _STEPS = 8, 30
+_IMPROVED, _STEPS = 8, 20
 #: Share of the matches of a step that are used: the nearest ones.
 _USED = 0.9
 #: Second moments whose ratio is below this may belong to each other's axes.
@@ -54,8 +54,6 @@ class Similarity:
     distance : float
         Mean distance of points of either surface from the other, as a share of the diagonal of the
         target's samples; 0 is best.
-    rival : float
-        The same of the best rotation that is clearly another; infinite where there is none.
     spacing : float
         How far samples are from each other, likewise: what a distance is uncertain by.
     """
@@ -64,7 +62,6 @@ class Similarity:
     scale: float
     shift: FloatArray
     distance: float
-    rival: float
     spacing: float
 
     def apply(self, points: FloatArray) -> FloatArray:
@@ -72,10 +69,9 @@ class Similarity:
         moved: FloatArray = self.scale * points @ self.rotation.T + self.shift
         return moved
 
-    @property
-    def ambiguous(self) -> bool:
-        """Whether another rotation lays the surfaces onto each other nearly as well."""
-        return self.rival < _RIVAL * max(self.distance, self.spacing)
+    def rivals(self, other: Similarity) -> bool:
+        """Whether another lays the surfaces onto each other nearly as well."""
+        return other.distance < _RIVAL * max(self.distance, self.spacing)
 
 
 def surface_samples(shape: Shape, count: int = SAMPLES) -> FloatArray:
@@ -120,8 +116,10 @@ def surface_samples_of_points(points: FloatArray, count: int) -> FloatArray:
     return chosen
 
 
-def align_points(source: FloatArray, target: FloatArray, *, mirrored: bool = False) -> Similarity:
-    """The similarity that lays one surface onto another best.
+def align_points(
+    source: FloatArray, target: FloatArray, *, mirrored: bool = False
+) -> list[Similarity]:
+    """Ways to lay one surface onto another, of different rotations, the nearest first.
 
     Parameters
     ----------
@@ -135,8 +133,8 @@ def align_points(source: FloatArray, target: FloatArray, *, mirrored: bool = Fal
     >>> corner = np.array([[0.0, 0, 0], [3, 0, 0], [2, 0, 0], [1, 0, 0], [0, 2, 0], [0, 1, 0],
     ...                    [0, 0, 1]])
     >>> turned = 5 * corner[:, [1, 2, 0]] + 7
-    >>> found = align_points(corner, turned)
-    >>> bool(np.allclose(found.apply(corner), turned)), round(found.scale, 6)
+    >>> best, *others = align_points(corner, turned)
+    >>> bool(np.allclose(best.apply(corner), turned)), round(best.scale, 6)
     (True, 5.0)
     """
     one, own = _normed(source)
@@ -148,30 +146,32 @@ def align_points(source: FloatArray, target: FloatArray, *, mirrored: bool = Fal
     best = candidates[np.argsort(judged, kind="stable")]
     some, others = _thinned(one, _SOME), _thinned(other, _SOME)
     near, whole, back = cKDTree(others), cKDTree(other), cKDTree(one)
+    own_spacing = whole.query(others, k=min(2, len(other)))[0].reshape(len(others), -1)[:, -1]
+    diagonal = float(np.linalg.norm(np.ptp(target, axis=0))) or 1.0
+    share = its[1] / diagonal
     found = []
     for start in _distinct(best, _IMPROVED * (2 if mirrored else 1)):
         rotation, scale, shift = _improved(some, others, near, start)
         # Of few points to all of the other surface, so that little of it is how these lie.
         there = whole.query(scale * some @ rotation.T + shift)[0].mean()
         here = scale * back.query((others - shift) @ rotation / scale)[0].mean()
-        found.append((float(there + here) / 2.0, rotation, scale, shift))
-    distance, rotation, scale, shift = min(found, key=lambda each: each[0])
-    rivals = [each[0] for each in found if _angle(each[1], rotation) > _OTHER]
-    # From normed coordinates to the user's: x -> its.scale * (s R (x - own.middle) / own.scale + t)
-    factor = its[1] / own[1] * scale
-    diagonal = float(np.linalg.norm(np.ptp(target, axis=0))) or 1.0
-    share = its[1] / diagonal
-    return Similarity(
-        rotation=rotation,
-        scale=factor,
-        shift=its[0] + its[1] * shift - factor * rotation @ own[0],
-        distance=distance * share,
-        rival=min(rivals, default=np.inf) * share,
-        spacing=float(
-            whole.query(others, k=min(2, len(other)))[0].reshape(len(others), -1)[:, -1].mean()
+        # From normed coordinates to the user's.
+        factor = its[1] / own[1] * scale
+        found.append(
+            Similarity(
+                rotation=rotation,
+                scale=factor,
+                shift=its[0] + its[1] * shift - factor * rotation @ own[0],
+                distance=float(there + here) / 2.0 * share,
+                spacing=float(own_spacing.mean()) * share,
+            )
         )
-        * share,
-    )
+    found.sort(key=lambda each: each.distance)
+    kept: list[Similarity] = []
+    for each in found:
+        if all(_angle(each.rotation, one.rotation) > _OTHER for one in kept):
+            kept.append(each)
+    return kept
 
 
 def _thinned(points: FloatArray, count: int) -> FloatArray:
@@ -208,7 +208,9 @@ def _rotations(one: FloatArray, other: FloatArray, *, mirrored: bool) -> FloatAr
     least = np.maximum(moments, 1e-9 * moments[2])
     steps = Rotation.from_euler("z", [[0], [30], [60]], degrees=True).as_matrix()
     if moments[2] < _ALIKE * least[0]:
-        turns = (Rotation.create_group("I").as_matrix()[:, None] @ turns).reshape(-1, 3, 3)
+        icosahedron = Rotation.create_group("I").as_matrix()
+        quarter = Rotation.from_euler("z", 90, degrees=True).as_matrix()
+        turns = np.concatenate([icosahedron, icosahedron @ quarter])
     elif moments[1] < _ALIKE * least[0]:  # the first two, about the third
         turns = (turns[:, None] @ steps).reshape(-1, 3, 3)
     elif moments[2] < _ALIKE * least[1]:  # the last two, about the first
@@ -243,7 +245,7 @@ def _improved(
         right = np.concatenate([other[near], other])[used]
         rotation, scale, shift = _fitted(left, right, mirror)
         distance = _distance(scale * one @ rotation.T + shift, other, tree)
-        if distance < best[0] * (1.0 - 1e-4):
+        if distance < best[0] * (1.0 - 1e-3):
             best = distance, rotation, scale, shift
         else:
             break

@@ -63,7 +63,7 @@ FEW = ("--optimizer", "pattern_search(max_evaluations=5)")
 
 
 def test_names_carry_over_to_another_shape(moseg, mallet, tmp_path):
-    """A mallet that lies otherwise, twice as large; its own search would not know which is which."""
+    """To a mallet that lies otherwise and is twice as large."""
     first, second = tmp_path / "first.json", tmp_path / "second.json"
     problem = ("--labels", "handle,head", "--minimize", SENTENCE)
     by_hand = ("--centers", "handle=-0.5,0,0,head=2.2,0,0")
@@ -92,7 +92,8 @@ def test_names_carry_over_to_another_shape(moseg, mallet, tmp_path):
         2,
         "moseg: --start and --start-from both say where to begin; give one of them\n",
     )
-    run = moseg("segment", other, "--start-from", first, *problem[2:], "--labels", "handle,top")
+    other_labels = ("--labels", "handle,top", "--minimize", "narrow(handle)")
+    run = moseg("segment", other, "--start-from", first, *other_labels)
     assert run.code == 2
     assert "the start has the labels handle, head; the problem has handle, top" in run.err
     run = moseg("segment", other, "--start-from", first, "--recipe", "any_shape", "--parts", "2")

@@ -31,11 +31,11 @@ def placed(mesh, seed, scale=1.0, shift=(0.0, 0.0, 0.0)):
 @pytest.mark.parametrize("scale", [1e-3, 40.0])
 def test_a_copy_is_laid_onto_exactly_from_wherever_it_lies(seed, scale):
     copy, turn = placed(UNEVEN, seed, scale, [300 * scale, -7 * scale, 2 * scale])
-    found = align_points(sampled(UNEVEN), sampled(copy))
+    found, *others = align_points(sampled(UNEVEN), sampled(copy))
     np.testing.assert_allclose(found.rotation, turn, atol=1e-6)
     assert found.scale == pytest.approx(scale)
     assert found.distance < 1e-4
-    assert not found.ambiguous
+    assert not any(found.rivals(other) for other in others)
     corners = np.asarray(UNEVEN[0], float)
     np.testing.assert_allclose(found.apply(corners), copy[0], atol=1e-5 * scale)
 
@@ -43,7 +43,7 @@ def test_a_copy_is_laid_onto_exactly_from_wherever_it_lies(seed, scale):
 @pytest.mark.parametrize("seed", range(3))
 def test_how_it_is_meshed_does_not_matter(seed):
     copy, turn = placed(shapes.subdivided(shapes.fan(UNEVEN), seed), seed, 3.0)
-    found = align_points(sampled(UNEVEN), sampled(copy))
+    found, *_ = align_points(sampled(UNEVEN), sampled(copy))
     np.testing.assert_allclose(found.rotation, turn, atol=0.03)
     assert found.scale == pytest.approx(3.0, rel=0.01)
     assert 0.0 < found.distance < 0.02
@@ -51,10 +51,10 @@ def test_how_it_is_meshed_does_not_matter(seed):
 
 def test_a_mirror_image_is_laid_onto_only_where_that_is_asked_for():
     mirrored = UNEVEN[0] * np.array([1.0, 1.0, -1.0]), UNEVEN[1]
-    plain = align_points(sampled(UNEVEN), sampled(mirrored))
+    plain, *_ = align_points(sampled(UNEVEN), sampled(mirrored))
     assert np.linalg.det(plain.rotation) == pytest.approx(1.0)
     assert plain.distance > 0.01
-    allowed = align_points(sampled(UNEVEN), sampled(mirrored), mirrored=True)
+    allowed, *_ = align_points(sampled(UNEVEN), sampled(mirrored), mirrored=True)
     assert np.linalg.det(allowed.rotation) == pytest.approx(-1.0)
     assert allowed.distance < 1e-6
 
@@ -64,8 +64,8 @@ def test_a_mirror_image_is_laid_onto_only_where_that_is_asked_for():
 )
 def test_what_looks_alike_from_several_sides_is_said(mesh):
     copy, _ = placed(mesh, 1)
-    found = align_points(sampled(mesh), sampled(copy))
-    assert found.ambiguous
+    found, *others = align_points(sampled(mesh), sampled(copy))
+    assert any(found.rivals(other) for other in others)
     assert found.distance < 0.03
 
 
@@ -75,13 +75,13 @@ def test_a_shape_of_equal_moments_is_found_too():
         shapes.box(6, 6, 6), shapes.moved(shapes.box(1, 1, 1), np.eye(3), 1.5, [0, 0, 6])
     )
     copy, turn = placed(mesh, 4, 2.0)
-    found = align_points(sampled(mesh), sampled(copy))
+    found, *_ = align_points(sampled(mesh), sampled(copy))
     np.testing.assert_allclose(found.rotation, turn, atol=1e-3)
 
 
 @pytest.mark.parametrize("degenerate", [np.zeros((5, 3)), np.outer(np.arange(5.0), [1, 2, 3])])
 def test_a_point_and_a_line_are_no_error(degenerate):
-    found = align_points(degenerate, degenerate + 1.0)
+    found, *_ = align_points(degenerate, degenerate + 1.0)
     moved = found.apply(degenerate)
     apart = np.linalg.norm(moved[:, None] - (degenerate + 1.0), axis=2)
     assert apart.min(axis=0).max() < 1e-6  # a line may lie either way
