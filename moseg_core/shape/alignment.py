@@ -18,6 +18,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
@@ -146,15 +147,15 @@ def align_points(
     best = candidates[np.argsort(judged, kind="stable")]
     some, others = _thinned(one, _SOME), _thinned(other, _SOME)
     near, whole, back = cKDTree(others), cKDTree(other), cKDTree(one)
-    own_spacing = whole.query(others, k=min(2, len(other)))[0].reshape(len(others), -1)[:, -1]
+    apart = np.asarray(whole.query(others, k=min(2, len(other)))[0]).reshape(len(others), -1)
     diagonal = float(np.linalg.norm(np.ptp(target, axis=0))) or 1.0
     share = its[1] / diagonal
     found = []
     for start in _distinct(best, _IMPROVED * (2 if mirrored else 1)):
         rotation, scale, shift = _improved(some, others, near, start)
         # Of few points to all of the other surface, so that little of it is how these lie.
-        there = whole.query(scale * some @ rotation.T + shift)[0].mean()
-        here = scale * back.query((others - shift) @ rotation / scale)[0].mean()
+        there = np.mean(whole.query(scale * some @ rotation.T + shift)[0])
+        here = scale * np.mean(back.query((others - shift) @ rotation / scale)[0])
         # From normed coordinates to the user's.
         factor = its[1] / own[1] * scale
         found.append(
@@ -163,7 +164,7 @@ def align_points(
                 scale=factor,
                 shift=its[0] + its[1] * shift - factor * rotation @ own[0],
                 distance=float(there + here) / 2.0 * share,
-                spacing=float(own_spacing.mean()) * share,
+                spacing=float(apart[:, -1].mean()) * share,
             )
         )
     found.sort(key=lambda each: each.distance)
@@ -203,7 +204,7 @@ def _rotations(one: FloatArray, other: FloatArray, *, mirrored: bool) -> FloatAr
     (moments, axes), (_, its) = np.linalg.eigh(one.T @ one), np.linalg.eigh(other.T @ other)
     for frame in (axes, its):
         frame[:, 2] *= np.sign(np.linalg.det(frame))
-    turns = Rotation.create_group("O").as_matrix()
+    turns: npt.NDArray[np.float64] = np.asarray(Rotation.create_group("O").as_matrix())
     # Axes of like moments lie anywhere in their plane.
     least = np.maximum(moments, 1e-9 * moments[2])
     steps = Rotation.from_euler("z", [[0], [30], [60]], degrees=True).as_matrix()
@@ -225,7 +226,7 @@ def _rotations(one: FloatArray, other: FloatArray, *, mirrored: bool) -> FloatAr
 def _distance(one: FloatArray, other: FloatArray, tree: cKDTree) -> float:
     """Mean distance of the points of either set from the other."""
     there, back = tree.query(one)[0], cKDTree(one).query(other)[0]
-    return float(there.mean() + back.mean()) / 2.0
+    return float(np.mean(there) + np.mean(back)) / 2.0
 
 
 def _improved(
