@@ -14,17 +14,27 @@ mirrors, since distances say no more.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+import numpy as np
+
+from moseg_core.components.chosen import Choice, prepare
+from moseg_core.components.cost import Cost
 from moseg_core.components.protocols import Centers
 from moseg_core.errors import ShapeError, UsageError
 from moseg_core.problem.hierarchy import Hierarchy
 from moseg_core.problem.problem import Problem
+from moseg_core.search.checked_partition import make_partition
+from moseg_core.search.evaluator import ProblemEvaluator
+from moseg_core.search.restarts import searched_shape
 from moseg_core.search.result import Result
 from moseg_core.shape.alignment import Similarity, align_points, surface_samples
+from moseg_core.shape.pins import NO_PINS
 from moseg_core.shape.shape import Shape
 from moseg_core.types import FloatArray, frozen
 
+#: Super-elements that costs of ways are compared on, as many as a search has by default.
+_RESOLUTION = 2000
 #: Above this share of the diagonal two surfaces have little in common.
 _FAR = 0.05
 
@@ -44,6 +54,8 @@ class Template:
         Points of that shape's surface.
     embedding : str or None
         That of the result.
+    parameterization : str
+        What its centres are centres of.
 
     Examples
     --------
@@ -60,6 +72,7 @@ class Template:
     centers: Centers
     samples: FloatArray
     embedding: str | None
+    parameterization: str = "voronoi"
 
     def __post_init__(self) -> None:
         for array in (self.samples, self.centers.positions, self.centers.weights):
@@ -90,6 +103,7 @@ class Template:
             centers=result.centers,
             samples=surface_samples(result.partitioned),
             embedding=None if embedding is None else str(embedding),
+            parameterization=result.method.get("parameterization", "voronoi"),
         )
 
 
@@ -132,7 +146,8 @@ def align(earlier: Result | Template, shape: Shape, problem: Problem | None = No
         Of one level. For many shapes make one :class:`Template` of it.
     shape : Shape
     problem : Problem, optional
-        What is asked for, where the partition is in an embedding.
+        What is asked for; by default that of the result. Where surfaces can be laid onto each other
+        in several ways that are nearly as good, it decides: the way whose partition costs least.
 
     Returns
     -------
@@ -163,6 +178,8 @@ def align(earlier: Result | Template, shape: Shape, problem: Problem | None = No
     True
     """
     template = earlier if isinstance(earlier, Template) else Template.of(earlier)
+    if problem is None and isinstance(earlier, Result) and isinstance(earlier.problem, Problem):
+        problem = earlier.problem
     if not isinstance(shape, Shape):
         raise UsageError(f"align takes a Shape, from moseg.load(path), not {shape!r:.60}")
     embedding = None if problem is None or problem.embedding is None else str(problem.embedding)
@@ -176,24 +193,44 @@ def align(earlier: Result | Template, shape: Shape, problem: Problem | None = No
     searched = shape if problem is None else problem.embed(shape)
     if not searched.frame.scale > 0.0:
         raise ShapeError(f"'{shape.name}' has no extent, so that nothing can be laid onto it")
-    similarity, *others = align_points(
-        template.samples, surface_samples(searched), mirrored=embedding is not None
-    )
-    centers = template.centers
-    moved = Centers(
-        positions=similarity.apply(centers.positions), weights=centers.weights, parts=centers.parts
-    )
+    ways = align_points(template.samples, surface_samples(searched), mirrored=embedding is not None)
+    rivals = [way for way in ways[1:] if ways[0].rivals(way)]
+    similarity = ways[0]
+    if problem is not None and rivals and sorted(template.labels) == sorted(problem.labels):
+        similarity = _least_costly([similarity, *rivals], template, problem, searched)
+    moved = _moved(template.centers, similarity)
     return Alignment(
         labels=template.labels,
         centers=moved,
         similarity=similarity,
         embedding=template.embedding,
-        warnings=tuple(_warnings(similarity, others, template.name, shape.name)),
+        warnings=tuple(_warnings(similarity, rivals, template.name, shape.name)),
     )
 
 
+def _moved(centers: Centers, similarity: Similarity) -> Centers:
+    return replace(centers, positions=similarity.apply(centers.positions))
+
+
+def _least_costly(
+    ways: Sequence[Similarity], template: Template, problem: Problem, searched: Shape
+) -> Similarity:
+    """The way whose partition costs least, on super-elements of a large shape."""
+    level = searched_shape(searched, _RESOLUTION, NO_PINS)
+    choice = Choice.read(template.parameterization, "parameterization")
+    ready = prepare(choice, "parameterization", problem.registry)
+    evaluator = ProblemEvaluator(level, problem, make_partition(ready, level, problem))
+    order = np.array([template.labels.index(name) for name in problem.labels])
+
+    def cost(way: Similarity) -> Cost:
+        centers = _moved(template.centers, way).ordered(order)
+        return evaluator.evaluate(evaluator.parameterization.encode(centers)).cost
+
+    return min(ways, key=cost)
+
+
 def _warnings(
-    similarity: Similarity, others: Sequence[Similarity], earlier: str, name: str
+    similarity: Similarity, rivals: Sequence[Similarity], earlier: str, name: str
 ) -> list[str]:
     found = []
     if similarity.distance > _FAR:
@@ -202,7 +239,7 @@ def _warnings(
             f" {100 * similarity.distance:.2g} % of the diagonal apart; names may stand for other"
             " parts than there"
         )
-    if any(similarity.rivals(other) for other in others):
+    if rivals:
         found.append(
             f"'{earlier}' can be laid onto '{name}' in several ways that are nearly as good; names"
             " may have changed places"

@@ -8,6 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from moseg_core.components.objectives import objective
+from moseg_core.components.part import Part
 from moseg_core.components.protocols import Centers
 from moseg_core.errors import UsageError
 from moseg_core.problem.hierarchy import Hierarchy
@@ -113,6 +115,24 @@ def test_a_symmetric_shape_is_stated():
     assert alignment.warnings[0] in found.warnings
 
 
+def test_where_surfaces_fit_in_several_ways_the_problem_decides():
+    """A box whose ends differ by nothing but what the problem says of places."""
+    box = Shape.from_mesh(*shapes.box(6, 2, 1), name="box")
+
+    @objective(range=(0, 10))
+    def rightness(part: Part) -> float:
+        return 5.0 - part.centroid[0] / 2.0
+
+    asked = Problem(["right", "left"], "rightness(right)", objectives={"rightness": rightness})
+    ends = np.array([[6.0, 1, 0.5], [0.0, 1, 0.5]])
+    start = Centers(positions=ends, weights=np.ones(2))
+    first = segment(box, asked, start=start, freeze=["right", "left"])
+    assert align(first, box).centers.positions[0, 0] == pytest.approx(6.0, abs=0.2)
+    # The same surface where "right" lies the other way: distances cannot tell, costs can.
+    other = Problem(["left", "right"], "rightness(left)", objectives={"rightness": rightness})
+    assert align(first, box, other).centers.positions[0, 0] == pytest.approx(0.0, abs=0.2)
+
+
 def test_a_shape_of_another_kind_is_stated(first):
     ball = Shape.from_mesh(*shapes.sphere(2), name="ball")
     said = " ".join(align(first, ball).warnings)
@@ -128,7 +148,7 @@ def test_in_an_embedding_embedded_surfaces_are_laid_onto_each_other():
     assert alignment.distance < 0.01
     segment(copy, ends, start=alignment, optimizer="pattern_search(max_evaluations=5)")
     with pytest.raises(UsageError, match=r"embedding 'mds', and the problem .* in 'none'"):
-        align(result, copy)
+        align(Template.of(result), copy)
 
 
 def test_what_does_not_fit_is_refused_by_name(first):
