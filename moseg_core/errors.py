@@ -17,9 +17,10 @@ code  meaning
 from __future__ import annotations
 
 import difflib
-import re
 from collections.abc import Iterable
 from typing import Any, ClassVar
+
+from moseg_core.terminal import escaped, printable
 
 
 class MosegError(Exception):
@@ -73,6 +74,12 @@ REPORT = "report it to its authors, or do without it"
 
 _LONG, _BESIDE = 160, 48
 """Characters of an expression that is shown whole, and beside a fault where one is not."""
+_FAULT = 60
+"""Characters of a fault that are shown; of a longer one the beginning is."""
+_REASON = 600
+"""Characters of a reason that are shown; of a longer one the middle is left out."""
+_COMPARED = 200
+"""Characters of a name beyond which none is like it: to compare two takes their product."""
 
 
 class ExpressionError(UsageError):
@@ -105,15 +112,26 @@ class ExpressionError(UsageError):
 
     def __str__(self) -> str:
         reason, _, suggestion = self.reason.partition("; ")
-        # One line, in which every character stays where the caret expects it.
-        text, start = re.sub(r"\s", " ", self.text), self.start
-        if len(text) > _LONG:
-            first, last = max(0, start - _BESIDE), min(len(text), self.stop + _BESIDE)
-            before, after = "..." * (first > 0), "..." * (last < len(text))
-            text, start = f"{before}{text[first:last]}{after}", start - first + len(before)
-        headline = f'{reason} in "{text}"' + (f"; {suggestion}" if suggestion else "")
-        caret = " " * start + "^" * (self.stop - self.start)
+        start, stop = self.start, min(self.stop, self.start + _FAULT)
+        first, last = 0, max(stop, len(self.text))
+        if last > _LONG:
+            first, last = max(0, start - _BESIDE), min(last, stop + _BESIDE)
+        before = "..." * (first > 0) + _on_one_line(self.text[first:start])
+        fault = _on_one_line(self.text[start:stop])
+        after = _on_one_line(self.text[stop:last]) + "..." * (last < len(self.text))
+        text = before + fault + after
+        said = printable(reason, longest=_REASON)
+        headline = f'{said} in "{text}"'
+        if suggestion:
+            headline += f"; {printable(suggestion, longest=_REASON)}"
+        # The fault may be behind the end of the text, where something is missing.
+        caret = " " * len(before) + "^" * max(len(fault), 1)
         return f"{headline}\n  {text}\n  {caret}"
+
+
+def _on_one_line(text: str) -> str:
+    """Part of an expression as it is shown above its caret: blanks of all kinds are plain ones."""
+    return escaped("".join(" " if c.isspace() else c for c in text))
 
 
 def nearest(name: str, known: Iterable[str]) -> str | None:
@@ -128,7 +146,9 @@ def nearest(name: str, known: Iterable[str]) -> str | None:
     >>> nearest("zzz", ["flat", "narrow"]) is None
     True
     """
-    names = list(known)
+    if len(name) > _COMPARED:
+        return None
+    names = [other for other in known if len(other) <= _COMPARED]
     matches = difflib.get_close_matches(name, names, n=1, cutoff=0.6)
     return next(iter(matches or (other for other in names if name in other.split("_"))), None)
 

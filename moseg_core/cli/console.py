@@ -1,5 +1,9 @@
 """Printing: tables on stdout, messages and progress on stderr.
 
+Whatever is printed goes through :mod:`moseg_core.terminal`, so that no text from a file steers the
+terminal, and none is read as rich's markup: the other modules of the command line take their tables
+and cells from here and make no consoles of their own.
+
 Colour and progress bars appear on a terminal only, elsewhere a line every 30 s; rich honours
 ``NO_COLOR``. Both come from whoever reports, not from a thread: a search forks worker processes,
 and a fork copies locks that other threads hold, but not the threads that would let go of them.
@@ -19,12 +23,14 @@ from rich.console import Console
 from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
 from rich.progress import Progress as Bars
 from rich.table import Table
+from rich.text import Text
 
 from moseg_core.cli.waiting import wipe
 from moseg_core.components.cost import Cost
 from moseg_core.components.protocols import Progress, Report
 from moseg_core.problem.aggregate import Evaluation
 from moseg_core.shape.compiled import telling_of_compilation
+from moseg_core.terminal import printable, printable_json, printable_message
 
 _WIDTH_OFF_TERMINAL = 120
 #: Seconds between two drawings of the progress bars.
@@ -33,22 +39,65 @@ _REDRAWN_EVERY = 0.1
 _LINE_EVERY = 30.0
 
 
+class _PlainConsole(Console):
+    """A console that shows texts as they are: no markup, no emoji by name, nothing to obey."""
+
+    def render_str(self, text: str, **options: Any) -> Text:
+        """A text given as such, also as a cell or heading of a table: one line, as any is here."""
+        return super().render_str(printable(text), **{**options, "markup": False, "emoji": False})
+
+
 def console(stream: TextIO) -> Console:
     """A console on stdout or stderr that keeps lines whole off a terminal."""
     width = None if stream.isatty() else _WIDTH_OFF_TERMINAL
-    return Console(file=stream, width=width, highlight=False, soft_wrap=False)
+    return _PlainConsole(
+        file=stream, width=width, highlight=False, markup=False, emoji=False, soft_wrap=False
+    )
+
+
+def cell(text: object, style: str = "") -> Text:
+    r"""A text for a table or a line with a style of its own; safe to print.
+
+    Examples
+    --------
+    >>> cell("[/x]").plain, cell("leg\x1b[2J").plain
+    ('[/x]', 'leg\\x1b[2J')
+    """
+    return Text(printable(str(text)), style)
+
+
+def lines_of(text: str) -> Text:
+    """A text of several lines, such as a docstring or a heading; safe to print."""
+    return Text("\n".join(map(printable, text.split("\n"))))
+
+
+def print_line(text: str = "") -> None:
+    """Print a line on stdout."""
+    print(printable(text))
+
+
+def print_text(text: str) -> None:
+    """Write a document that may be meant for a file: as it is, but for a terminal safe."""
+    sys.stdout.write(lines_of(text.expandtabs()).plain if sys.stdout.isatty() else text)
 
 
 def print_json(document: Any) -> None:
     """Print a JSON document on stdout."""
-    print(json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False))
+    print(json_text(document))
+
+
+def json_text(document: Any) -> str:
+    """A JSON document for stdout, in which a terminal finds nothing to obey."""
+    # What cannot be said in the terminal's letters is escaped by JSON, not by the stream.
+    wide = (sys.stdout.encoding or "utf-8").lower().startswith("utf")
+    return printable_json(json.dumps(document, indent=2, ensure_ascii=not wide, allow_nan=False))
 
 
 def message(text: str, *, quiet: bool = False) -> None:
-    """Print a line on stderr."""
+    """Print a line on stderr, with the two of a caret where the text ends with them."""
     if not quiet:
         wipe()
-        print(f"moseg: {text}", file=sys.stderr)
+        print(f"moseg: {printable_message(text)}", file=sys.stderr)
 
 
 def terms_table(evaluation: Evaluation) -> Table:
@@ -86,7 +135,7 @@ def print_terms(evaluation: Evaluation) -> None:
     """Print what each term adds to the cost, and what disagrees most in each part."""
     console(sys.stdout).print(terms_table(evaluation))
     for line in disagreement_lines(evaluation):
-        print(line)
+        print_line(line)
 
 
 def disagreement_lines(evaluation: Evaluation) -> list[str]:
@@ -164,9 +213,9 @@ def progress_reporter(*, quiet: bool) -> Iterator[Report]:
         yield (lambda progress: False) if quiet else progress_lines()
         return
     bars = Bars(
-        TextColumn("{task.description}"),
+        TextColumn("{task.description}", markup=False),
         BarColumn(),
-        TextColumn("{task.fields[cost]}"),
+        TextColumn("{task.fields[cost]}", markup=False),
         TimeElapsedColumn(),
         console=console(sys.stderr),
         transient=True,
@@ -188,13 +237,11 @@ def progress_reporter(*, quiet: bool) -> Iterator[Report]:
                 shown = stage.rpartition(": ")[0] == before
                 bars.update(earlier, total=1.0, completed=1.0, visible=shown)
                 bars.stop_task(earlier)
-            tasks[progress.stage] = bars.add_task(progress.stage, total=None, cost="")
-        fraction = progress.fraction
+            tasks[progress.stage] = bars.add_task("", total=None, cost="")
+        fraction, words = progress.fraction, f"{progress.stage} {progress.done}"
         bars.update(
             tasks[progress.stage],
-            description=", ".join(
-                words for words in (f"{progress.stage} {progress.done}", progress.place) if words
-            ),
+            description=printable(", ".join(said for said in (words, progress.place) if said)),
             total=None if fraction is None else 1.0,
             completed=fraction or 0.0,
             cost=best.cost_text(progress),

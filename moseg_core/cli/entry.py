@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import sys
 from collections.abc import Sequence
@@ -11,6 +12,7 @@ from moseg_core.cli.overview import overview_of
 from moseg_core.cli.streams import prepare_streams, show_warnings
 from moseg_core.cli.waiting import waiting
 from moseg_core.errors import MosegError, Terminated, UsageError
+from moseg_core.terminal import printable_message
 
 #: Commands that import so much that a terminal is told at once that something goes on.
 _SLOW_TO_START = (
@@ -49,6 +51,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
         prepare_streams()
         show_warnings(_tell)
         at_exit()
+        if isinstance(sys.stdout, io.TextIOWrapper):  # what it has no letters for is escaped, as on stderr
+            sys.stdout.reconfigure(errors="backslashreplace")
     sys.exit(_run(list(sys.argv[1:] if arguments is None else arguments)))
 
 
@@ -126,7 +130,7 @@ def _code_of(arguments: list[str]) -> int:
     try:
         _obey(arguments)
     except MosegError as error:
-        print(f"moseg: {error}", file=sys.stderr)
+        print(f"moseg: {printable_message(str(error))}", file=sys.stderr)
         return error.exit_code
     except Terminated as ended:
         print("moseg: told to end", file=sys.stderr)
@@ -144,5 +148,6 @@ def _code_of(arguments: list[str]) -> int:
 def _told_of_system(error: OSError) -> int:
     """Say what the system refuses; the exit code of that."""
     what = "cannot write the output" if error.filename is None else f"'{error.filename}'"
-    print(f"moseg: {what}: {error.strerror or error}", file=sys.stderr)
+    said = f"{what}: {error.strerror or error}"
+    print(f"moseg: {printable_message(said)}", file=sys.stderr)
     return 1

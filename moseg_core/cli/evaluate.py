@@ -26,7 +26,7 @@ from moseg_core.agreement import (
     labelled,
     renamed,
 )
-from moseg_core.cli.console import console, message, print_json
+from moseg_core.cli.console import console, lines_of, message, print_json
 from moseg_core.cli.flags import ShapeFlags
 from moseg_core.cli.reading import read_label_property, read_shape
 from moseg_core.errors import UsageError, nearest
@@ -105,7 +105,8 @@ def run_evaluate(
     out.print(_measures_table(truths, agreements))
     together = _mean_confusion(tables)
     if together is not None:
-        out.print("\nshare of the area in %: what it is (rows) and what it is called (columns)")
+        out.print()
+        out.print("share of the area in %: what it is (rows) and what it is called (columns)")
         for block in _confusion_tables(together, out.width):
             out.print(block)
 
@@ -187,9 +188,9 @@ def _measures_table(truths: Sequence[Path], rows: Sequence[Agreement]) -> Table:
     distinct = len({truth.name for truth in truths}) == len(truths)
     names = [truth.name if distinct else str(truth) for truth in truths]
     table = Table(box=None, pad_edge=False, header_style="bold")
-    table.add_column("\ntruth", overflow="fold")
+    table.add_column(lines_of("\ntruth"), overflow="fold")
     for heading in _HEADINGS.values():
-        table.add_column(heading, justify="right", no_wrap=True)
+        table.add_column(lines_of(heading), justify="right", no_wrap=True)
     for name, row in zip(names, rows, strict=True):
         table.add_row(name, *_cells(asdict(row)))
     if len(rows) > 1:

@@ -18,7 +18,6 @@ from pathlib import Path
 
 import numpy as np
 from rich.table import Table
-from rich.text import Text
 
 from moseg_core.batching.jobs import shape_stem
 from moseg_core.batching.ledger import is_batch, results_in
@@ -48,6 +47,7 @@ from moseg_core.search.part_table import Cell, PartTable, shown
 from moseg_core.search.result import Result
 from moseg_core.search.variants import check_variants, solve_variants
 from moseg_core.shape.shape import Shape
+from moseg_core.terminal import printable_json
 
 FORMATS = (".csv", ".tsv", ".json")
 #: Of a table on the terminal: what there is room for.
@@ -184,7 +184,7 @@ def run_measure(
         failures.append(MosegError(said))
     try:
         if as_json:
-            print(whole.to_json(), end="")
+            print(printable_json(whole.to_json()), end="")
         elif tables and not outputs:
             console(sys.stdout).print(_printed(whole))
     finally:  # also where nobody takes what is printed
@@ -363,6 +363,5 @@ def _printed(table: PartTable) -> Table:
         printed.add_column(name, justify="right")
     for row in table:
         texts = [str(row["shape"]), str(row["part"])] if several else [str(row["part"])]
-        # As texts: what is in brackets would be a style.
-        printed.add_row(*map(Text, texts), *(shown(row[name]) for name in _SHOWN))
+        printed.add_row(*texts, *(shown(row[name]) for name in _SHOWN))
     return printed

@@ -9,7 +9,6 @@ from __future__ import annotations
 import sys
 
 from rich.table import Table
-from rich.text import Text
 
 from moseg_core.cli.console import console, print_json
 from moseg_core.components.discovery.registry import Component, registry
@@ -36,7 +35,7 @@ def run_objectives(name: str | None, *, as_json: bool) -> None:
     for component in found:
         called = component.spec.name if component.spec.name in short else component.id
         about, _, small = component.spec.summary.rpartition(": ")
-        table.add_row(Text(called), Text(component.bundle), Text(about), Text(small))
+        table.add_row(called, component.bundle, about, small)
     console(sys.stdout).print(table)
 
 

@@ -13,6 +13,7 @@ from rich.console import Console
 from rich.text import Text
 
 from moseg_core.components.discovery.registry import Bundle, registry
+from moseg_core.terminal import printable, printable_json
 
 _WIDTH_OFF_TERMINAL = 120
 #: Characters that a summary has on a line at least, however narrow the terminal.
@@ -23,23 +24,27 @@ def run_list(*, as_json: bool) -> None:
     """Print bundles, versions, components and problems."""
     bundles = registry().bundles
     if as_json:
-        print(json.dumps([_document(bundle) for bundle in bundles], indent=2))
+        print(printable_json(json.dumps([_document(bundle) for bundle in bundles], indent=2)))
         return
     width = shutil.get_terminal_size().columns if sys.stdout.isatty() else _WIDTH_OFF_TERMINAL
     text = Text()
     for bundle in bundles:
-        text.append(bundle.name, "bold").append(f"  {bundle.distribution} {bundle.version}\n")
+        text.append(printable(bundle.name), "bold")
+        text.append(printable(f"  {bundle.distribution} {bundle.version}") + "\n")
         if bundle.problem:
-            text.append(f"  set aside: {bundle.problem}\n", "red")
+            text.append(printable(f"  set aside: {bundle.problem}") + "\n", "red")
         if bundle.note:
-            text.append(f"  note: {bundle.note}\n", "yellow")
-        text.append("\n".join(_rows(bundle, width)) + "\n\n" if bundle.components else "\n")
+            text.append(printable(f"  note: {bundle.note}") + "\n", "yellow")
+        rows = "".join(printable(row) + "\n" for row in _rows(bundle, width))
+        text.append(rows + "\n")
     # Lines are laid out already: a rich table for each bundle takes longer than finding them all.
-    Console(file=sys.stdout, highlight=False, soft_wrap=True).print(text, end="")
+    Console(file=sys.stdout, highlight=False, markup=False, soft_wrap=True).print(text, end="")
 
 
 def _rows(bundle: Bundle, width: int) -> Iterator[str]:
     """A line for each component, its columns aligned within the bundle; long summaries fold."""
+    if not bundle.components:
+        return
     kinds = max(len(component.kind) for component in bundle.components)
     ids = max(len(component.id) for component in bundle.components)
     for component in bundle.components:

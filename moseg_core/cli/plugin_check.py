@@ -17,9 +17,8 @@ from typing import Any, get_args
 from rich.console import Console
 from rich.padding import Padding
 from rich.table import Table
-from rich.text import Text
 
-from moseg_core.cli.console import console, print_json
+from moseg_core.cli.console import cell, console, lines_of, print_json
 from moseg_core.errors import PluginError
 from moseg_core.testing import CHECKS
 from moseg_core.testing.processes.watching_parent import Announce, BundleReport, watch_checks
@@ -61,8 +60,8 @@ def _status() -> Iterator[Announce]:
     if not sys.stderr.isatty():
         yield lambda done, count, which: None
         return
-    with console(sys.stderr).status("starting") as shown:
-        yield lambda done, count, which: shown.update(f"{done} of {count} done; {which}")
+    with console(sys.stderr).status(cell("starting")) as shown:
+        yield lambda done, count, which: shown.update(cell(f"{done} of {count} done; {which}"))
 
 
 def _print(report: BundleReport, out: Console) -> None:
@@ -95,7 +94,6 @@ def _print(report: BundleReport, out: Console) -> None:
         f"{report.bundle} ({report.distribution}): {_counted(len(report.outcomes), 'check')} on"
         f" {_counted(components, 'component')}: {counts or 'none apply'}",
         style="bold",
-        markup=False,
     )
 
 
@@ -104,11 +102,11 @@ def _failure(found: Outcome) -> Padding:
     table = Table(box=None, pad_edge=False, show_header=False)
     table.add_column(no_wrap=True)
     table.add_column(overflow="fold")
-    table.add_row(Text("check"), Text(f"{found.check} on {found.component}", "bold"))
-    table.add_row(Text("what"), Text(found.message))
-    table.add_row(Text("why"), Text(CHECKS[found.check].why))
+    table.add_row("check", cell(f"{found.check} on {found.component}", "bold"))
+    table.add_row("what", lines_of(found.message))
+    table.add_row("why", lines_of(CHECKS[found.check].why))
     if found.fix:
-        table.add_row(Text("fix"), Text(found.fix))
+        table.add_row("fix", lines_of(found.fix))
     return Padding(table, (0, 0, 0, 2))
 
 
@@ -119,14 +117,14 @@ def _reasons(outcomes: Sequence[Outcome]) -> Padding:
         reasons.setdefault((found.component, found.message), []).append(found.check)
     table = Table(box=None, pad_edge=False, show_header=False)
     for (component, message), checks in reasons.items():
-        table.add_row(Text(component), Text(", ".join(checks)), Text(message))
+        table.add_row(component, ", ".join(checks), lines_of(message))
     return Padding(table, (0, 0, 0, 2))
 
 
 def _by_component(outcomes: Sequence[Outcome]) -> Padding:
     table = Table(box=None, pad_edge=False, show_header=False)
     for component, count in Counter(found.component for found in outcomes).items():
-        table.add_row(Text(component), Text(_counted(count, "check")))
+        table.add_row(component, _counted(count, "check"))
     return Padding(table, (0, 0, 0, 2))
 
 
@@ -173,12 +171,12 @@ def _times_table(times: Sequence[Mapping[str, Any]]) -> Table:
             "" if timing[group] is None else f"{timing[group]:.0f}" for group in ("zoo", "samples")
         )
         table.add_row(
-            Text(f"{timing['kind']} {timing['component']}"),
+            f"{timing['kind']} {timing['component']}",
             timing["declared"],
             zoo,
             samples,
             str(timing["calls"]),
-            Text(timing["note"]),
+            timing["note"],
         )
     return table
 

@@ -10,10 +10,9 @@ from typing import Any
 
 from rich.console import Console
 from rich.table import Table
-from rich.text import Text
 
 from moseg_core import language
-from moseg_core.cli.console import console, print_json
+from moseg_core.cli.console import cell, console, lines_of, print_json
 from moseg_core.cli.recipes import read_shipped
 from moseg_core.components.discovery.registry import Component, registry
 from moseg_core.components.discovery.specs import (
@@ -78,7 +77,7 @@ def _named(name: str, kind: Kind | None) -> list[Component]:
 
 def _print(explained: Explained, out: Console) -> None:
     component = explained.component
-    head = Text(component.id, "bold").append(f"  {component.kind}", "not bold")
+    head = cell(component.id, "bold").append(f"  {component.kind}", "not bold")
     out.print(head)
     _paragraph(component.spec.summary, out)
     if _words(explained.headline) != _words(component.spec.summary):
@@ -94,7 +93,7 @@ def _print(explained: Explained, out: Console) -> None:
     facts.add_column(style="bold", no_wrap=True)
     facts.add_column(overflow="fold")
     for key, value in _facts(explained).items():
-        facts.add_row(key, Text(value))
+        facts.add_row(key, value)
     out.print(facts)
     out.print()
     if explained.about and "Notes" not in explained.sections:
@@ -110,7 +109,7 @@ def _paragraph(text: str, out: Console, *, title: str = "") -> None:
     if text:
         if title:
             out.print(title, style="bold")
-        out.print(Text(textwrap.indent(plain(text), "  ")))
+        out.print(lines_of(textwrap.indent(plain(text), "  ")))
         out.print()
 
 
@@ -118,9 +117,9 @@ def _parameter_table(explained: Explained) -> Table:
     table = Table(box=None, pad_edge=False, show_header=False)
     for parameter in explained.parameters:
         table.add_row(
-            Text(f"  {parameter.name} = {default(parameter)}"),
-            Text(bounds(parameter)),
-            Text(plain(explained.said.get(parameter.name, ""))),
+            f"  {parameter.name} = {default(parameter)}",
+            bounds(parameter),
+            plain(explained.said.get(parameter.name, "")),
         )
     return table
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib.util
 from pathlib import Path
 
+from moseg_core.cli.console import print_line
 from moseg_core.cli.scaffold import check_name, words, write_bundle
 from moseg_core.components.discovery.distributions import installed_points, read_claims
 
@@ -16,11 +17,12 @@ def run_new(name: str, *, kind: str, out: Path | None) -> None:
     folder = Path(chosen["MY_DISTRIBUTION"]) if out is None else out
     written = write_bundle(folder, name, kind, taken=_taken(name, chosen["MY_PACKAGE"]))
     shown = [path.relative_to(folder).as_posix() for path in written]
-    print(f"{folder}: the bundle '{name}' with the {kind} '{chosen['MY_COMPONENT']}'")
-    print("\n".join(f"  {path}" for path in shown))
-    print(
-        f'\nNext:\n  cd {folder}\n  pip install -e ".[test]"\n  pytest\n  moseg plugin check {name}'
-    )
+    print_line(f"{folder}: the bundle '{name}' with the {kind} '{chosen['MY_COMPONENT']}'")
+    for path in shown:
+        print_line(f"  {path}")
+    for line in ("", "Next:", f"  cd {folder}", '  pip install -e ".[test]"', "  pytest"):
+        print_line(line)
+    print_line(f"  moseg plugin check {name}")
 
 
 def _taken(name: str, package: str) -> dict[str, str]:

@@ -8,7 +8,6 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 
 from rich.table import Table
-from rich.text import Text
 
 from moseg_core.cli.console import console
 from moseg_core.components.profile import Entry, Profile, profiling
@@ -59,11 +58,11 @@ def _table(heading: str, rows: Iterable[tuple[str, str, Entry]], total: float) -
         table.add_column("from")
     for name, source, entry in shown:
         table.add_row(
-            Text(name),
+            name,
             f"{entry.seconds:.3f}",
             f"{entry.seconds / total:.1%}",
             str(entry.calls),
             f"{1e6 * entry.seconds / entry.calls:.0f}",
-            *([Text(source)] if source else []),
+            *([source] if source else []),
         )
     return table

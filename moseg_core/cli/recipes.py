@@ -6,9 +6,8 @@ import sys
 from typing import Any
 
 from rich.table import Table
-from rich.text import Text
 
-from moseg_core.cli.console import console, print_json
+from moseg_core.cli.console import cell, console, print_json, print_text
 from moseg_core.components.discovery.registry import Component, registry
 from moseg_core.errors import MosegError, PluginError
 from moseg_core.problem.recipe import Recipe, load_recipe, parse_recipe
@@ -23,7 +22,7 @@ def run_recipes(name: str | None, *, as_json: bool) -> None:
             read = parse_recipe(text, component.spec.name)
             print_json({**_document(component, read, None), "toml": text})
         else:
-            sys.stdout.write(_for_a_file(component, text))
+            print_text(_for_a_file(component, text))
         return
     found = [(component, *read_shipped(component)) for component in registry().components("recipe")]
     if as_json:
@@ -36,9 +35,9 @@ def run_recipes(name: str | None, *, as_json: bool) -> None:
     for component, recipe, problem in found:
         called = component.spec.name if component.spec.name in short else component.id
         description = (
-            Text(recipe.description) if recipe else Text(f"cannot be used: {problem}", "red")
+            cell(recipe.description) if recipe else cell(f"cannot be used: {problem}", "red")
         )
-        table.add_row(Text(called), Text(component.bundle), how_many(recipe), description)
+        table.add_row(called, component.bundle, how_many(recipe), description)
     console(sys.stdout).print(table)
 
 

@@ -5,7 +5,7 @@ that shows nothing for so long looks dead. The line is wiped out when that is ov
 something else is printed (:func:`wipe`). It is written once, by whoever waits, not by a thread
 (:mod:`moseg_core.cli.console` says why), and never into a file.
 
-Imports nothing but the standard library: it is needed before the rest is there.
+Imports next to nothing: it is needed before the rest is there.
 """
 
 from __future__ import annotations
@@ -14,6 +14,8 @@ import shutil
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+
+from moseg_core.terminal import printable
 
 #: Back to the first column, and wipe what stands there.
 _WIPE = "\r\x1b[2K"
@@ -60,7 +62,7 @@ def _show() -> None:
     """Write the last text, on one line whatever it holds."""
     global _shown  # there is one terminal
     room = max(20, shutil.get_terminal_size().columns - 1)
-    text = "".join(c if c.isprintable() else " " for c in f"moseg: {_waiting[-1]} ...")
+    text = printable(f"moseg: {_waiting[-1]} ...")
     sys.stderr.write(_WIPE + (text if len(text) <= room else text[: room - 3] + "..."))
     sys.stderr.flush()
     _shown = True

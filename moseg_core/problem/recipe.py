@@ -217,8 +217,11 @@ def _toml_key(key: str) -> str:
 
 
 def _toml_value(value: Any) -> str:
-    """Texts, numbers and lists of texts are written in TOML as in JSON, but for DEL."""
-    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+    """Texts, numbers and lists of texts are written in TOML as in JSON, but for what is unseen."""
+    text = json.dumps(value, ensure_ascii=False)
+    if text.isprintable():
+        return text
+    return "".join(c if c.isprintable() else f"\\U{ord(c):08x}" for c in text)
 
 
 def parse_recipe(text: str, name: str, *, source: Registry | None = None) -> Recipe:

@@ -24,7 +24,7 @@ def test_it_is_there_as_long_as_it_takes(monkeypatch):
     with waiting("starting"):
         assert screen(terminal.getvalue()) == ["moseg: starting ..."]
         with waiting("reading a\nb\x1b[31m"):  # of a name that would draw over the screen
-            assert screen(terminal.getvalue()) == ["moseg: reading a b [31m ..."]
+            assert screen(terminal.getvalue()) == [r"moseg: reading a\nb\x1b[31m ..."]
         assert screen(terminal.getvalue()) == ["moseg: starting ..."]
     assert screen(terminal.getvalue()) == [""]
 

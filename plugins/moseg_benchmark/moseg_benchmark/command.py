@@ -279,20 +279,24 @@ def _line(result: CaseResult) -> str:
 
 
 def _print_message(text: str) -> None:
-    print(f"moseg: {text}", file=sys.stderr)
+    from moseg_core import printable
+
+    print(f"moseg: {printable(text)}", file=sys.stderr)
 
 
 def _print_table(table: Table) -> None:
     from rich.console import Console
     from rich.table import Table as RichTable
 
+    from moseg_core import printable
+
     printed = RichTable(box=None, pad_edge=False, header_style="bold")
     for k, head in enumerate(table.heads):
-        printed.add_column(head, justify="left" if k == 0 else "right", overflow="fold")
+        printed.add_column(printable(head), justify="left" if k == 0 else "right", overflow="fold")
     for cells in table.rows:
-        printed.add_row(*cells)
+        printed.add_row(*map(printable, cells))
     width = None if sys.stdout.isatty() else _WIDTH_OFF_TERMINAL  # lines stay whole in a file
-    console = Console(file=sys.stdout, width=width, highlight=False)
-    console.print(table.title)
+    console = Console(file=sys.stdout, width=width, highlight=False, markup=False, emoji=False)
+    console.print(printable(table.title))
     console.print(printed)
     console.print()

@@ -126,8 +126,10 @@ def _check_out(out: Path) -> None:
 
 
 def _tell(text: str, *, quiet: bool) -> None:
+    from moseg_core import printable
+
     if not quiet:
-        print(f"moseg: {text}", file=sys.stderr)
+        print(f"moseg: {printable(text)}", file=sys.stderr)
 
 
 def _line(result: LeftOut) -> str:
@@ -143,13 +145,15 @@ def _print_table(results: list[LeftOut]) -> None:
     from rich.console import Console
     from rich.table import Table
 
+    from moseg_core import printable
+
     table = Table(box=None, pad_edge=False, header_style="bold")
     table.add_column("left out")
     for heading in ("1 - Rand Index", "named right", "cost", "cost of its own parts"):
         table.add_column(heading, justify="right")
     for result in results:
         table.add_row(
-            result.name,
+            printable(result.name),
             _number(result.rand_index_error, ".3f"),
             "" if result.named_right is None else f"{100 * result.named_right:.1f} %",
             _number(result.cost, ".4g"),
@@ -167,7 +171,7 @@ def _print_table(results: list[LeftOut]) -> None:
             "",
         )
     width = None if sys.stdout.isatty() else 100  # lines stay whole in a file
-    Console(file=sys.stdout, width=width, highlight=False).print(table)
+    Console(file=sys.stdout, width=width, highlight=False, markup=False, emoji=False).print(table)
 
 
 def _number(value: float | None, form: str) -> str:

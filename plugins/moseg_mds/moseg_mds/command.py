@@ -61,7 +61,7 @@ def embed(
     json
         Print JSON instead of lines.
     """
-    from moseg_core import load, save
+    from moseg_core import load, printable, save
     from moseg_mds.embedding import MDS
 
     for path in out:
@@ -69,7 +69,7 @@ def embed(
     mds = MDS(geodesics=geodesics, landmarks=landmarks, refine=refine, exponent=exponent)
     original = load(shape)
     for note in original.notes:
-        print(f"moseg: {original.name}: {note}", file=sys.stderr)
+        print(f"moseg: {printable(f'{original.name}: {note}')}", file=sys.stderr)
     began = perf_counter()
     embedded = mds.embed(original)
     seconds = perf_counter() - began
@@ -94,7 +94,7 @@ def embed(
         for name, value in found.items():
             print(f"{name:<10} {value:.4f}" if name == "stress" else f"{name:<10} {value}")
     if written:
-        print(f"moseg: wrote {', '.join(written)}", file=sys.stderr)
+        print(f"moseg: wrote {printable(', '.join(written))}", file=sys.stderr)
     if failures:
         raise MosegError("; ".join(failures))
 

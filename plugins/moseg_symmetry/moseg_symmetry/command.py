@@ -35,13 +35,13 @@ def symmetry(shape: Path, /, *, json: bool = False) -> None:
     json
         Print JSON instead of tables.
     """
-    from moseg_core import load
+    from moseg_core import load, printable
 
     found = symmetries(load(shape))
     if json:
         print(json_format.dumps(document(found), indent=2, ensure_ascii=False, allow_nan=False))
     else:
-        print("\n".join(report(found)))
+        print("\n".join(map(printable, report(found))))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
