@@ -51,7 +51,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
         prepare_streams()
         show_warnings(_tell)
         at_exit()
-        if isinstance(sys.stdout, io.TextIOWrapper):  # what it has no letters for is escaped, as on stderr
+        if isinstance(
+            sys.stdout, io.TextIOWrapper
+        ):  # escapes what it has no letters for, as stderr
             sys.stdout.reconfigure(errors="backslashreplace")
     sys.exit(_run(list(sys.argv[1:] if arguments is None else arguments)))
 

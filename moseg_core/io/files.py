@@ -23,6 +23,7 @@ from moseg_core.io.byte_names import readable
 from moseg_core.io.part_files import PartForm, check_part_files, is_for_parts, part_files
 from moseg_core.io.whole_file import check_destination, told_of, write_file
 from moseg_core.io.write.part_meshes import PART_SUFFIXES
+from moseg_core.regular_file import refuse_irregular
 from moseg_core.search.result import Result
 from moseg_core.shape.shape import Shape
 
@@ -71,6 +72,7 @@ def load(path: str | os.PathLike[str], *, source: Registry | None = None) -> Sha
         raise ShapeError(f"'{path}' is a folder; name a file in it")
     reader = component.load()
     try:
+        refuse_irregular(path)  # a bundle's reader may open it as it likes
         with component.guard(f"failed on '{path}'"):
             shape = reader(path)
     except OSError as error:

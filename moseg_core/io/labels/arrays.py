@@ -4,30 +4,41 @@ Rows of integers, whole floats, bools or names; a column or row of a matrix too.
 size of a voxel grid has labels at its elements, whatever it has elsewhere. In a grid of three
 axes, as moseg writes for voxels, -1 stands where there is no element, and elements follow each
 other in C order.
+
+An archive is compressed, a thousandfold where it can be, so what it says of its size is added up
+before anything is unpacked; of a member that is larger than that the rest is not unpacked.
 """
 
 from __future__ import annotations
 
 import io
+import lzma
+import struct
 import sys
-import tokenize
 import zlib
 from pathlib import Path
-from zipfile import BadZipFile
+from zipfile import BadZipFile, ZipFile
 
 import numpy as np
 import numpy.typing as npt
 
+from moseg_core.errors import ShapeError
 from moseg_core.io.labels.listing import Listing, Wanted, numbered_names, whole_labels
 from moseg_core.io.labels.properties import chosen, names_labels
 from moseg_core.io.read.checked import file_error, read_file
 from moseg_core.io.read.grids import read_array
+from moseg_core.io.read.npy_bytes import array_from_bytes
+from moseg_core.terminal import printable
 
-# What numpy and zipfile raise over damaged archives.
+# What zipfile and the decompressors raise over damaged archives.
 _DAMAGED = (
-    *(KeyError, ValueError, TypeError, EOFError, OSError, NotImplementedError, RuntimeError),
-    *(SyntaxError, BadZipFile, zlib.error, tokenize.TokenError),
+    *(KeyError, ValueError, TypeError, IndexError, EOFError, OSError, MemoryError),
+    *(NotImplementedError, RuntimeError, OverflowError, BadZipFile, zlib.error, struct.error),
+    lzma.LZMAError,
 )
+#: Bytes that any archive may unpack to; beside these so many for each of its own, and for each
+#: element, vertex or cell of the shape.
+_UNPACKED, _PER_BYTE, _PER_BEARER = 2**26, 100, 64
 
 
 def read_npy(path: Path, wanted: Wanted) -> Listing:
@@ -58,12 +69,7 @@ def read_npz(path: Path, wanted: Wanted) -> Listing:
     ShapeError
         The file cannot be read, or has no such array; says which it has.
     """
-    data = read_file(path)
-    try:
-        with np.load(io.BytesIO(data), allow_pickle=False) as archive:
-            arrays = {name: archive[name] for name in archive.files}
-    except _DAMAGED as problem:
-        raise file_error(path, f"is no whole .npz file ({problem}); save it anew") from problem
+    arrays = _arrays(path, wanted)
     counts = (wanted.n_elements, wanted.n_vertices)
     named = [
         name
@@ -90,6 +96,36 @@ def read_npz(path: Path, wanted: Wanted) -> Listing:
     elif names is None and "names" in arrays:
         raise file_error(path, "has an array 'names' that is not a row of texts; save it anew")
     return Listing(labels=found.labels, names=names, of=wanted.told(name).bearer, notes=notes)
+
+
+def _arrays(path: Path, wanted: Wanted) -> dict[str, npt.NDArray[np.generic]]:
+    """The arrays of an archive by name."""
+    data = read_file(path)
+    cells = 0 if wanted.grid is None else wanted.grid.occupied.size
+    bearers = max(wanted.n_elements, wanted.n_vertices or 0, cells)
+    most = _UNPACKED + _PER_BYTE * len(data) + _PER_BEARER * bearers
+    found = {}
+    try:
+        with ZipFile(io.BytesIO(data)) as archive:
+            members = archive.infolist()
+            if (size := sum(member.file_size for member in members)) > most:
+                raise file_error(
+                    path, f"unpacks to {size} bytes, more than {most}, which labels can take"
+                )
+            for member in members:
+                found[member.filename.removesuffix(".npy")] = archive.read(member)
+    except _DAMAGED as problem:
+        if isinstance(problem, ShapeError):
+            raise
+        said = printable(str(problem), longest=100)
+        raise file_error(path, f"is no whole .npz file ({said}); save it anew") from problem
+    arrays = {}
+    for name, unpacked in found.items():
+        try:
+            arrays[name] = array_from_bytes(unpacked)
+        except ValueError as error:
+            raise file_error(path, f"has an array '{name}' that {error}") from error
+    return arrays
 
 
 def _is_row(array: npt.NDArray[np.generic], wanted: Wanted) -> bool:

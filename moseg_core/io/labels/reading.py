@@ -29,6 +29,7 @@ from moseg_core.io.labels.ply import read_ply_labels
 from moseg_core.io.labels.stl import read_stl_labels
 from moseg_core.io.labels.text import read_text
 from moseg_core.io.read.checked import file_error
+from moseg_core.regular_file import refuse_irregular
 from moseg_core.shape.shape import Shape
 
 _READERS: dict[str, Callable[[Path, Wanted], Listing]] = {
@@ -169,6 +170,7 @@ def _told_by_bundle(path: Path, shape: Shape | int) -> Labelling:
     component = able[max(fitting, key=len)]
     module, _, name = cast(ReaderSpec, component.spec).labels.partition(":")
     try:
+        refuse_irregular(path)
         with component.guard(f"failed on the labels of '{path}'"):
             told = getattr(importlib.import_module(module), name)(path, shape)
     except OSError as error:

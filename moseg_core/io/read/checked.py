@@ -20,6 +20,7 @@ from pathlib import Path
 import numpy as np
 
 from moseg_core.errors import ShapeError
+from moseg_core.regular_file import read_regular_file
 from moseg_core.shape.appearance import Appearance
 from moseg_core.shape.geometry import FARTHEST
 from moseg_core.shape.mesh import PolygonMesh
@@ -56,10 +57,10 @@ def read_file(path: Path) -> bytes:
     Raises
     ------
     ShapeError
-        The file cannot be read, or is empty.
+        The file cannot be read, is none but a pipe or a device, or is empty.
     """
     try:
-        data = path.read_bytes()
+        data = read_regular_file(path)
     except OSError as error:
         reason = error.strerror or str(error)
         raise file_error(path, f"cannot be read ({reason}); check the path {path}") from error

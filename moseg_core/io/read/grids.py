@@ -13,11 +13,8 @@ other with y fastest, then z, then x, as pairs of bytes: a value and how often i
 
 from __future__ import annotations
 
-import io
 import math
 import re
-import tokenize
-import warnings
 from pathlib import Path
 
 import numpy as np
@@ -26,6 +23,7 @@ import numpy.typing as npt
 from moseg_core.errors import ShapeError
 from moseg_core.io.read.checked import file_error, read_file
 from moseg_core.io.read.clouds import shape_from_table
+from moseg_core.io.read.npy_bytes import array_from_bytes
 from moseg_core.shape.shape import Shape
 from moseg_core.types import BoolArray
 
@@ -89,27 +87,10 @@ def read_array(path: Path) -> npt.NDArray[np.generic]:
     ShapeError
         The file cannot be read, is no such file, is cut off, or holds objects.
     """
-    data = read_file(path)
-    stream = io.BytesIO(data)
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # of damaged headers, which are refused below
-            major = np.lib.format.read_magic(stream)[0]
-            read_header = (
-                np.lib.format.read_array_header_1_0
-                if major == 1
-                else np.lib.format.read_array_header_2_0
-            )
-            shape, by_columns, dtype = read_header(stream)
-    except (ValueError, TypeError, SyntaxError, tokenize.TokenError) as error:
-        raise file_error(path, f"is not an .npy file ({_line(error)}); save it anew") from error
-    if dtype.kind not in "biufU":
-        raise file_error(path, f"holds {dtype}, not numbers; save it anew")
-    count, start = math.prod(shape), stream.tell()
-    if count * dtype.itemsize != len(data) - start or min(shape, default=1) < 0:
-        raise file_error(path, f"does not hold what an array of shape {shape} takes; it is cut off")
-    flat = np.frombuffer(data, dtype, count, start)
-    return flat.reshape(shape, order="F" if by_columns else "C")
+        return array_from_bytes(read_file(path))
+    except ValueError as error:
+        raise file_error(path, str(error)) from error
 
 
 def read_binvox(path: Path) -> Shape:
@@ -174,7 +155,3 @@ def _shape(path: Path, occupied: BoolArray, pitch: float, origin: npt.ArrayLike)
         return Shape.from_voxels(occupied, pitch=pitch, origin=origin, name=path.stem)
     except ShapeError as error:
         raise ShapeError(f"{path.name}: {error}") from error
-
-
-def _line(error: Exception) -> str:
-    return " ".join(str(error).split())[:80]

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import io
+import tempfile
+import zipfile
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -118,3 +121,45 @@ def test_what_is_refused(reader, contents, message, refusal):
 def test_an_array_may_say_what_it_labels(name, of, as_file):
     wanted = Wanted(n_elements=4, n_vertices=4, noun="face")
     assert read_npz(as_file("x.npz", npz(**{name: [7, 7, 5, 5]})), wanted).of == of
+
+
+def archive(members, compression=zipfile.ZIP_DEFLATED) -> bytes:
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w", compression) as file:
+        for name, data in members.items():
+            file.writestr(name, data)
+    return stream.getvalue()
+
+
+def test_an_archive_that_unpacks_to_too_much_is_not_unpacked(refusal):
+    bomb = archive({"labels.npy": npy(np.zeros(10**7, np.int64))})
+    assert len(bomb) < 10**5
+    said = refusal(lambda path: read_npz(path, WANTED), "x.npz", bomb)
+    assert " unpacks to 80000128 bytes, more than " in said
+    found = read_npz_of(bomb, Wanted(n_elements=10**7))
+    assert len(found.labels) == 10**7
+
+
+def read_npz_of(data, wanted):
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "x.npz"
+        path.write_bytes(data)
+        return read_npz(path, wanted)
+
+
+@pytest.mark.parametrize(
+    "members",
+    [
+        {"labels.npy": b"no array"},
+        {"labels": b"no array"},
+        {"labels.npy": npy(np.array([1, 0, 1]))[:-1]},
+        {"labels.npy": b""},
+        {"../../etc/passwd": b"root"},
+        {},
+    ],
+)
+@pytest.mark.parametrize("compression", [zipfile.ZIP_STORED, zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA])
+def test_members_that_are_no_arrays_are_refused(members, compression, refusal, damages):
+    data = archive(members, compression)
+    assert refusal(lambda path: read_npz(path, WANTED), "x.npz", data)
+    assert damages(lambda path: read_npz(path, WANTED), "x.npz", data) > 20
