@@ -134,6 +134,21 @@ def _on_one_line(text: str) -> str:
     return escaped("".join(" " if c.isspace() else c for c in text))
 
 
+def shown(value: object) -> str:
+    """What was given, as Python writes it, in a message; whatever it is, of one short line.
+
+    Examples
+    --------
+    >>> shown("two"), shown(10**5000)
+    ("'two'", 'an int that is too large to be shown')
+    """
+    try:
+        text = repr(value)
+    except (ValueError, RecursionError):
+        return f"an {type(value).__name__} that is too large to be shown"
+    return printable(text, longest=_FAULT)
+
+
 def nearest(name: str, known: Iterable[str]) -> str | None:
     """The known name most like `name`, or one of which it is a word; None where nothing is close.
 

@@ -19,6 +19,7 @@ from __future__ import annotations
 
 import fnmatch
 import itertools
+import re
 from collections.abc import Sequence
 
 import numpy as np
@@ -40,6 +41,7 @@ from moseg_core.types import BoolArray, FloatArray, Int32Array, IntArray
 #: many centres more.
 _LARGE, _MORE = 0.25, 2
 #: About how long it takes to find a label.
+_COUNT = re.compile(r"0*[1-9][0-9]{0,2}")  # of centres of a label
 _SECONDS = 5e-8
 
 
@@ -257,10 +259,10 @@ def parse_counts(text: str, labels: Sequence[str]) -> dict[str, int]:
     found: dict[str, int] = {}
     for word in text.split(","):
         name, equals, number = (piece.strip() for piece in word.partition("="))
-        if not equals or not number.isdecimal() or int(number) < 1:
+        if not equals or not _COUNT.fullmatch(number):
             raise UsageError(
                 f"centers: '{word.strip()}' is not understood; write label=count,label=count, with"
-                " counts of 1 or more"
+                " counts from 1 to 999"
             )
         if "*" in name:
             named = [label for label in labels if fnmatch.fnmatchcase(label, name)]

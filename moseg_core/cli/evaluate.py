@@ -34,6 +34,8 @@ from moseg_core.io import Labelling, read_labels
 from moseg_core.shape.mesh import PolygonMesh
 from moseg_core.shape.shape import Shape
 
+#: Pairs of names that a table of what is taken for what has at most.
+_MOST_PAIRS = 10**6
 # Of each measure the heading, in two lines so that all fit beside each other in 100 columns.
 _HEADINGS = {
     "rand_index_error": "1-RI\nfaces",
@@ -214,6 +216,9 @@ def _confusion(
     shape: Shape, found: Labelling, truth: Labelling, translation: Mapping[str, str]
 ) -> Confusion | None:
     if found.names is None or truth.names is None:
+        return None
+    if len(found.names) * len(truth.names) > _MOST_PAIRS:
+        message(f"no table of {len(found.names)} names by {len(truth.names)}: nobody could read it")
         return None
     return confusion(
         found.labels, found.names, truth.labels, truth.names, shape.areas, rename=translation

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 from moseg_core.cli.console import message
@@ -12,6 +11,7 @@ from moseg_core.errors import ShapeError, UsageError
 from moseg_core.io import read_labels, read_result, write_file
 from moseg_core.io.files import instead_of
 from moseg_core.io.labels.reading import bearing_suffixes
+from moseg_core.io.result_json import is_result
 from moseg_core.io.result_loading import find_shape, load_result
 from moseg_core.io.whole_file import check_destination
 from moseg_core.search.showing import open_page
@@ -62,7 +62,7 @@ def _content(shape: Shape, path: Path, label_property: str | None) -> PageConten
     for note in labelling.notes:
         message(note)
     labels, names = named_labels(labelling, before="label ")
-    saved = read_result(path) if _is_result(path) else None
+    saved = read_result(path) if is_result(path) else None
     if saved is not None and saved.shape.get("fingerprint") != shape.fingerprint:
         message(f"warning: {path} is a result of another shape, '{saved.shape.get('name')}'")
     return PageContent(
@@ -100,14 +100,6 @@ def _bearing(source: Path) -> Path:
             f" moseg view {source} RESULT"
         )
     return source
-
-
-def _is_result(path: Path) -> bool:
-    """Whether a file is a result of moseg, not labels alone."""
-    if path.suffix.lower() != ".json":
-        return False
-    document = json.loads(path.read_text(encoding="utf-8"))
-    return isinstance(document, dict) and "format" in document
 
 
 def _shape_of(result: Path, reading: ShapeFlags) -> Shape:

@@ -17,14 +17,25 @@ from moseg_core.components.detail import Detail
 from moseg_core.components.protocols import Centers
 from moseg_core.errors import UsageError, unknown
 from moseg_core.io.byte_names import path_entries, readable, with_path
+from moseg_core.io.json_document import read_json_file
+from moseg_core.io.result_schema import RESULT, check_schema
 from moseg_core.language import parse_target
 from moseg_core.problem.aggregate import CallValue, Evaluation, TermValue
 from moseg_core.problem.hierarchy import Hierarchy
 from moseg_core.problem.problem import Problem
+from moseg_core.problem.recipe import DEEPEST
 from moseg_core.problem.settings import NO_REFINER, RECIPE_OPTIONS, SearchOptions
-from moseg_core.problem.statement import KEYS, Statement, joined
+from moseg_core.problem.statement import (
+    KEYS,
+    SEPARATOR,
+    Statement,
+    check_extent,
+    check_label_names,
+    joined,
+)
 from moseg_core.search.incumbents import Incumbent
 from moseg_core.search.result import Result
+from moseg_core.terminal import escaped, printable
 from moseg_core.types import IntArray
 
 FORMAT = "moseg-result/1"
@@ -108,24 +119,54 @@ def read_result(path: str | os.PathLike[str]) -> SavedResult:
     """
     path = Path(path)
     try:
-        document = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, json.JSONDecodeError) as error:
+        document = read_json_file(path)
+    except OSError as error:
+        raise UsageError(
+            f"'{path}' cannot be read as a result: {error.strerror or error}"
+        ) from error
+    except ValueError as error:
         raise UsageError(f"'{path}' cannot be read as a result: {error}") from error
     if not isinstance(document, dict) or "format" not in document:
         raise UsageError(f"'{path}' is not a moseg result; make one with 'moseg segment -o x.json'")
     if document["format"] != FORMAT:
         raise UsageError(
-            f"'{path}' has the format {document['format']!r}; this version reads {FORMAT!r}"
+            f"'{path}' has the format {document['format']!r:.60}; this version reads {FORMAT!r}"
         )
     try:
+        check_schema(document, RESULT)
         return _from_document(document)
-    except (KeyError, TypeError, ValueError) as error:
-        raise UsageError(
-            f"'{path}' is a damaged result ({type(error).__name__}: {error}); make it anew"
-        ) from error
+    except (KeyError, TypeError, ValueError, OverflowError) as error:
+        what = f"no {error}" if isinstance(error, KeyError) else printable(str(error), longest=300)
+        raise UsageError(f"'{path}' is a damaged result ({what}); make it anew") from error
+
+
+def is_result(path: Path) -> bool:
+    """Whether a file is a result of moseg, not labels alone.
+
+    Raises
+    ------
+    UsageError
+        It cannot be read as JSON.
+    """
+    if path.suffix.lower() != ".json":
+        return False
+    try:
+        document = read_json_file(path)
+    except OSError as error:
+        raise UsageError(f"'{path}' cannot be read: {error.strerror or error}") from error
+    except ValueError as error:
+        raise UsageError(f"'{path}' is not JSON: {error}") from error
+    return isinstance(document, dict) and "format" in document
 
 
 def _from_document(document: dict[str, Any]) -> SavedResult:
+    """The result that a document tells, which agrees with itself.
+
+    Raises
+    ------
+    KeyError, TypeError, ValueError, OverflowError
+        It does not.
+    """
     terms = tuple(
         TermValue(
             text=term["term"],
@@ -146,11 +187,18 @@ def _from_document(document: dict[str, Any]) -> SavedResult:
     cost = document["cost"]
     centers = Centers.joined([_read_centers(part) for part in document["parts"]])
     problem = document["problem"]
+    statement, names = _read_statement(problem), tuple(problem["labels"])
+    if names != _leaves(statement):
+        raise ValueError(f"the labels {', '.join(names)} are not those of the problem")
+    if len(document["parts"]) != len(names):
+        raise ValueError(f"{len(names)} labels, but {len(document['parts'])} parts")
+    if cost["broken_pins"] > document["shape"]["elements"]:
+        raise ValueError(f"{cost['broken_pins']} broken pins")
     return SavedResult(
         shape=with_path(document["shape"]),
-        labels=np.array(document["labels"], np.int64),
-        names=tuple(problem["labels"]),
-        statement=_read_statement(problem),
+        labels=_read_labels(document["labels"], document["shape"]["elements"], len(names)),
+        names=names,
+        statement=statement,
         evaluation=Evaluation(
             cost=Cost(len(cost["empty"]) + int(cost["broken_pins"]), float(cost["value"])),
             terms=terms,
@@ -167,6 +215,15 @@ def _from_document(document: dict[str, Any]) -> SavedResult:
         dimension=_read_dimension(document.get("dimension", {})),
         incumbents=tuple(_read_incumbent(step, centers) for step in document.get("incumbents", [])),
     )
+
+
+def _read_labels(given: Any, n_elements: int, n_labels: int) -> IntArray:
+    labels = np.array(given) if isinstance(given, list) else np.empty(0)
+    if labels.dtype.kind not in "iu" or labels.shape != (n_elements,) or not n_elements:
+        raise ValueError(f"the labels are not a whole number for each of {n_elements} elements")
+    if labels.min() < 0 or labels.max() >= n_labels:
+        raise ValueError(f"the label {labels.max()}, but only {n_labels} labels, counted from 0")
+    return labels.astype(np.int64)
 
 
 def _read_dimension(document: Mapping[str, Any]) -> tuple[int, int]:
@@ -202,7 +259,7 @@ def write_json(result: Result) -> bytes:
         "dimension": {"free": result.dimension[0], "all": result.dimension[1]},
         "seed": result.seed,
         "reason": result.reason,
-        "warnings": [readable(warning) for warning in result.warnings],
+        "warnings": [escaped(readable(warning)) for warning in result.warnings],
         "versions": dict(result.versions),
         "history": {
             stage: [
@@ -294,13 +351,29 @@ def _read_statement(problem: Mapping[str, Any]) -> Statement:
     tables = {level["path"]: level for level in problem.get("levels", [{**problem, "path": ""}])}
 
     def read(path: str) -> Statement:
+        if path.count(SEPARATOR) > DEEPEST:
+            raise ValueError(f"parts of parts that are more than {DEEPEST} levels deep")
         # What a later version adds is passed over: the format's number says what can be read.
         table = {key: value for key, value in tables[path].items() if key in KEYS}
         below = {label: joined(path, label) for label in table["labels"]}
         parts = tuple((label, read(inner)) for label, inner in below.items() if inner in tables)
-        return replace(Statement.read(table), parts=parts)
+        stated = Statement.read(table)
+        check_label_names(stated.labels)
+        return replace(stated, parts=parts)
 
-    return read("")
+    stated = read("")
+    check_extent(stated, "the problem")
+    return stated
+
+
+def _leaves(statement: Statement) -> tuple[str, ...]:
+    """The labels of a result of a problem: those of parts with their paths, in their places."""
+    divided = dict(statement.parts)
+    leaves: list[str] = []
+    for label in statement.labels:
+        below = _leaves(divided[label]) if label in divided else ()
+        leaves += [joined(label, leaf) for leaf in below] or [label]
+    return tuple(leaves)
 
 
 def evaluation_document(evaluation: Evaluation) -> dict[str, Any]:

@@ -14,6 +14,12 @@ from moseg_core.language.target import Target
 from moseg_core.language.terms import LITERALS, Argument, Expression, Term, Value, is_word
 from moseg_core.language.tokens import GIVE_OR_TAKE, Token, tokenize, unquoted
 
+MOST_CHARACTERS = 100_000
+"""Characters of an expression, or of any other text of the language."""
+
+LONGEST_WORD = 200
+"""Characters of a name, a label, a glob or a key."""
+
 
 def parse(text: str) -> Expression:
     """Read an expression.
@@ -101,6 +107,13 @@ class _Parser:
     def __init__(self, text: str, *, labels: bool = True) -> None:
         self.text = text
         self.labels = labels
+        if len(text) > MOST_CHARACTERS:
+            raise ExpressionError(
+                f"an expression has at most {MOST_CHARACTERS} characters, and this one {len(text)};"
+                " say less, or put values into tables",
+                text,
+                MOST_CHARACTERS,
+            )
         self.tokens = tokenize(text)
         self.at = 0
 
@@ -162,7 +175,7 @@ class _Parser:
             name, stop = f"{first.text}:{second.text}", second.stop
         arguments: list[Argument] = []
         parameters: list[tuple[str, Value]] = []
-        keys: list[tuple[int, int]] = []
+        keys: dict[str, tuple[int, int]] = {}
         if self.peek.text == "(":
             self.take()
             if self.peek.text != ")":
@@ -179,14 +192,14 @@ class _Parser:
             parameters=tuple(parameters),
             weight=weight,
             span=(first.start, stop),
-            keys=tuple(keys),
+            keys=tuple(keys.values()),
         )
 
     def argument(
         self,
         arguments: list[Argument],
         parameters: list[tuple[str, Value]],
-        keys: list[tuple[int, int]],
+        keys: dict[str, tuple[int, int]],
     ) -> None:
         token = self.peek
         if token.kind not in ("word", "glob"):
@@ -200,13 +213,13 @@ class _Parser:
                     self.text,
                     *_span(token),
                 )
-            if any(token.text == key for key, _ in parameters):
+            if token.text in keys:
                 raise ExpressionError(
                     f"parameter '{token.text}' is given twice", self.text, *_span(token)
                 )
             self.take()
             parameters.append((token.text, self.value()))
-            keys.append(_span(token))
+            keys[token.text] = _span(token)
         elif not self.labels:
             raise ExpressionError(
                 'expected key=value; words with other characters stand in quotes: key="a,b"',
@@ -279,6 +292,12 @@ class _Parser:
 
     def take(self) -> Token:
         token = self.tokens[self.at]
+        if token.kind in ("word", "glob") and len(token.text) > LONGEST_WORD:
+            raise ExpressionError(
+                f"a word of {len(token.text)} characters; the longest has {LONGEST_WORD}",
+                self.text,
+                *_span(token),
+            )
         self.at += 1
         return token
 

@@ -28,6 +28,12 @@ from moseg_core.language.table import GIVEN, named_table
 
 _Answer = TypeVar("_Answer")
 
+MOST_WEIGHT = 1e100
+"""The largest weight of a term: sums of weighted costs are far from what a float can hold."""
+
+MOST_TERMS = 1000
+"""Terms of an expression: each is evaluated for every candidate of a search."""
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class BoundTerm:
@@ -223,14 +229,29 @@ def bind(
         An objective whose bundle is broken.
     """
     text = expression.text or str(expression)
+    for term in expression.terms:
+        if not abs(term.weight) <= MOST_WEIGHT:
+            raise ExpressionError(
+                f"the weight {term.weight:g} is too large; weights are at most {MOST_WEIGHT:g}",
+                text,
+                *term.span,
+            )
     tables = Table() if tables is None else tables
-    return tuple(
+    bound = tuple(
         replace(
             _bind_term(term, text, labels, objectives, registry, tables),
             space=_space(term, text, spaces, space),
         )
         for term in expression.terms
     )
+    if len(bound) > MOST_TERMS:  # mistakes are told first
+        raise ExpressionError(
+            f"an expression has at most {MOST_TERMS} terms, and this one {len(bound)}; a label with"
+            " a star, narrow(leg*), stands for many",
+            text,
+            *expression.terms[MOST_TERMS].span,
+        )
+    return bound
 
 
 def _space(term: Term, text: str, spaces: Sequence[str], default: str) -> str:

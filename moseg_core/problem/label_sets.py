@@ -23,6 +23,9 @@ from moseg_core.errors import UsageError, unknown
 MOST_SETS = 24
 """The greatest number of label sets that a statement may stand for: each is searched for."""
 
+_MOST_OF_ONE = 999
+"""The greatest count of a label."""
+
 LabelSet = tuple[str, ...]
 """Names of labels that go together, in the order in which they are declared."""
 
@@ -93,7 +96,13 @@ def read_label(text: str) -> CountedLabel:
     match = _COUNTED.match(text)
     if match is None:
         return CountedLabel(stem=text, least=1, most=1)
-    least, most = int(match[2]), int(match[3] or match[2])
+    # Thousands of digits are no number to Python.
+    least, most = (
+        int(digits[-4:]) if len(digits.lstrip("0")) < 4 else _MOST_OF_ONE + 1
+        for digits in (match[2], match[3] or match[2])
+    )
+    if max(least, most) > _MOST_OF_ONE:
+        raise UsageError(f"'{match[1]}': a label's count is at most {_MOST_OF_ONE}")
     if most < least or most == 0:
         raise UsageError(
             f"'{text}': a count goes from the least to the greatest number, which is 1 or more:"

@@ -52,6 +52,11 @@ and ``labels`` can be left out, since they follow::
 A recipe for any number of parts has one label with a star, ``labels = ["part*"]``; who uses it says
 how many there are (``--parts 5``, :func:`moseg_core.segment_parts`).
 
+A recipe may come from somebody else, so what it can ask for is limited. The recipes of parts are
+files of at most 1 MB in its own folder or below, with the suffix ``.toml``; there are at most
+:data:`~moseg_core.problem.statement.MOST_LABELS` parts on all levels together, and
+:data:`DEEPEST` levels.
+
 Bundles bring recipes through the hook ``moseg_recipes``; anybody else gives a path. A bundle's
 recipe means components that its authors knew: the bundle's own, and those of the distributions that
 its own one requires.
@@ -61,7 +66,6 @@ from __future__ import annotations
 
 import json
 import re
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -72,11 +76,16 @@ from moseg_core.errors import REPORT, PluginError, UsageError, nearest, unknown
 from moseg_core.problem.full_names import meant_by_bundle, statement_in_full
 from moseg_core.problem.hierarchy import Hierarchy, expand_parts
 from moseg_core.problem.problem import Problem
-from moseg_core.problem.statement import KEYS, Statement, joined, read_texts
+from moseg_core.problem.statement import KEYS, Statement, check_extent, joined, read_texts
+from moseg_core.problem.toml_table import MOST_BYTES, read_table
 from moseg_core.problem.variants import Variants
+from moseg_core.regular_file import read_regular_file
 
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]+\Z", re.ASCII)
 _TERM = re.compile(r" (?=\+ )")
+DEEPEST = 20
+"""Recipes in recipes: levels of parts of parts."""
+
 _LONG = 100
 """More characters than this are written on several lines."""
 
@@ -288,16 +297,20 @@ class _Library:
     def load(self, name: str) -> Recipe:
         """A recipe by name or path."""
         if name.endswith(".toml") or "/" in name or "\\" in name:
-            path = self.folder / name
+            path = self._path(name)
             try:
-                text = path.read_text(encoding="utf-8")
+                text = read_regular_file(path, most=MOST_BYTES).decode("utf-8-sig")
             except FileNotFoundError as error:
                 near = nearest(path.name, [each.name for each in path.parent.glob("*.toml")])
                 instead = f"; did you mean '{path.with_name(near)}'?" if near else ""
                 raise UsageError(
                     f"recipe '{name}' cannot be read: there is no such file{instead}"
                 ) from error
-            except (OSError, UnicodeDecodeError) as error:
+            except OSError as error:
+                raise UsageError(
+                    f"recipe '{name}' cannot be read: {error.strerror or error}"
+                ) from error
+            except UnicodeDecodeError as error:
                 raise UsageError(f"recipe '{name}' cannot be read: {error}") from error
             return _parse(text, path.stem, self._within(str(path.resolve()), path.parent))
         component = self.source.find("recipe", name, scope=self.bundle)
@@ -312,19 +325,34 @@ class _Library:
         meaning = meant_by_bundle(component.bundle, self.source)
         return replace(recipe, statement=statement_in_full(recipe.statement, meaning))
 
+    def _path(self, name: str) -> Path:
+        """Where a recipe is: anywhere if a user says so, of a part's in the folder of its whole."""
+        path = self.folder / name
+        if not self.reading:
+            return path
+        try:
+            inside = path.resolve().is_relative_to(self.folder.resolve())
+        except (OSError, ValueError, RuntimeError):  # a NUL in the name, links in a circle
+            inside = False
+        if not inside or ".." in path.parts or path.suffix != ".toml":
+            raise UsageError(
+                f"recipe '{self.reading[-1]}' names '{name}' for a part; the recipe of a part is a"
+                f" .toml file in the same folder or below, such as './leg.toml', or has the name of"
+                f" an installed one"
+            )
+        return path
+
     def _within(self, key: str, folder: Path, bundle: str | None = None) -> _Library:
         """The library for the parts of a recipe, which may not name a recipe that it is part of."""
         if key in self.reading:
             raise UsageError(f"recipe '{key}' is among its own parts; parts end somewhere")
+        if len(self.reading) > DEEPEST:
+            raise UsageError(f"recipe '{key}' is more than {DEEPEST} levels below the whole")
         return _Library(self.source, folder, (*self.reading, key), bundle)
 
 
 def _parse(text: str, name: str, library: _Library) -> Recipe:
-    try:
-        table = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise UsageError(f"recipe '{name}' is not valid TOML: {error}") from error
-    return _read(table, name, library)
+    return _read(read_table(text, name), name, library)
 
 
 def _read(table: Mapping[str, Any], name: str, library: _Library) -> Recipe:
@@ -346,10 +374,11 @@ def _read(table: Mapping[str, Any], name: str, library: _Library) -> Recipe:
         (key, _fixed(_read_part(part, joined(name, key), library).statement, joined(name, key)))
         for key, part in nested.items()
     ]
-    parts = tuple(expand_parts(read, statement.declared).items())
+    whole = replace(statement, parts=tuple(expand_parts(read, statement.declared).items()))
+    check_extent(whole, f"recipe '{name}'")
     return Recipe(
         name=name,
-        statement=replace(statement, parts=parts),
+        statement=whole,
         description=description,
         learned_from=learned_from,
     )

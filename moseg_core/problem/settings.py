@@ -19,7 +19,7 @@ from typing import Any, Self, TypedDict
 
 from moseg_core.components.chosen import Choice
 from moseg_core.components.discovery.specs import Kind
-from moseg_core.errors import UsageError, unknown
+from moseg_core.errors import UsageError, shown, unknown
 
 SETTINGS = ("default", "paper")
 """What decides where neither the request nor the recipe does."""
@@ -297,28 +297,36 @@ class SearchOptions(Method):
         return SettledOptions(**values)
 
 
+_MOST = {"start": 10_000, "finalist": 10_000}
+"""Of some things there are so many at most: all of them are made before the first is used."""
+_DIGITS = 18
+"""Of a number in a text."""
+
+
 def _resolution(given: object) -> int | str:
     """A number of super-elements, or "full"."""
     if given == "full":
         return "full"
-    if isinstance(given, str) and given.isdecimal():
+    if isinstance(given, str) and given.isdecimal() and len(given) <= _DIGITS:
         given = int(given)
     if isinstance(given, bool) or not isinstance(given, Integral) or given < 1:
         raise UsageError(
             f"the resolution must be 'full' or a number of super-elements, such as 2000, not"
-            f" {given!r}"
+            f" {shown(given)}"
         )
     return int(given)
 
 
 def _count(given: object, what: str) -> int:
     """A number of things of which there is one at least."""
-    if isinstance(given, str) and given.isdecimal():
+    if isinstance(given, str) and given.isdecimal() and len(given) <= _DIGITS:
         given = int(given)
     if isinstance(given, bool) or not isinstance(given, Integral):
-        raise UsageError(f"the number of {what}s must be a whole number, not {given!r}")
+        raise UsageError(f"the number of {what}s must be a whole number, not {shown(given)}")
     if given < 1:
-        raise UsageError(f"there must be at least one {what}, not {given}")
+        raise UsageError(f"there must be at least one {what}, not {shown(given)}")
+    if int(given) > _MOST.get(what, int(given)):
+        raise UsageError(f"there are at most {_MOST[what]} {what}s, not {shown(given)}")
     return int(given)
 
 

@@ -44,6 +44,12 @@ _LABEL = re.compile(r"\w+\Z", re.ASCII)
 # A digit before the star would run into the numbers: leg2* would be leg21, leg22 and so on.
 _OPEN_LABEL = re.compile(r"\w*[A-Za-z_]\*\Z", re.ASCII)
 
+MOST_LABELS = 1000
+"""Labels of a statement, those of parts of parts counted too."""
+
+LONGEST_LABEL = 200
+"""Characters of a label."""
+
 SEPARATOR = "/"
 """Between the labels of a path; no label contains it."""
 
@@ -279,6 +285,8 @@ class Statement:
                 f"the number of parts is fixed by the labels {', '.join(labels)}; do not say how"
                 f" many there are, or give one label with a star, such as part*"
             )
+        if count > MOST_LABELS:
+            raise UsageError(f"there are at most {MOST_LABELS} parts, not {count}")
         numbered = count - len(labels) + 1
         if numbered < 1:
             raise UsageError(
@@ -334,7 +342,14 @@ def check_label_names(labels: Sequence[str], *, may_be_open: bool = False) -> tu
     names = tuple(labels)
     if not names:
         raise UsageError("a problem needs at least one label")
+    if len(names) > MOST_LABELS:
+        raise UsageError(f"a problem has at most {MOST_LABELS} labels, not {len(names)}")
     for name in names:
+        if isinstance(name, str) and len(name) > LONGEST_LABEL:
+            raise UsageError(
+                f"label '{name[:20]}...' has {len(name)} characters; labels have at most"
+                f" {LONGEST_LABEL}"
+            )
         is_open = isinstance(name, str) and _OPEN_LABEL.match(name)
         counted = is_counted(name)
         if not is_open and not counted and not (isinstance(name, str) and _LABEL.match(name)):
@@ -358,6 +373,33 @@ def check_label_names(labels: Sequence[str], *, may_be_open: bool = False) -> tu
     if sum(name.endswith("*") for name in names) > 1:
         raise UsageError(f"one label may end with '*', not several: {', '.join(names)}")
     return names
+
+
+def check_extent(statement: Statement, whose: str) -> None:
+    """Refuse a statement with more labels on all levels together than anybody could look at.
+
+    Parameters
+    ----------
+    statement : Statement
+        Whose parts were checked before.
+    whose : str
+        For the message.
+
+    Raises
+    ------
+    UsageError
+        There are more than :data:`MOST_LABELS`; a part that several labels have counts for each.
+
+    Examples
+    --------
+    >>> part = Statement(labels=("a", "b"), minimize="flat(a)")
+    >>> check_extent(Statement(labels=("c",), minimize="flat(c)", parts=(("c", part),)), "mine")
+    """
+    count = sum(len(level.declared) for _, level in statement.levels())
+    if count > MOST_LABELS:
+        raise UsageError(
+            f"{whose} has {count} parts on all levels together; the most is {MOST_LABELS}"
+        )
 
 
 def check_tables(given: Mapping[str, Any] | None) -> Table:

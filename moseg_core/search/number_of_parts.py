@@ -21,7 +21,7 @@ from typing import Unpack
 import numpy as np
 
 from moseg_core.components.protocols import Progress, Report, never_stop, placed
-from moseg_core.errors import MosegError, UsageError
+from moseg_core.errors import MosegError, UsageError, shown
 from moseg_core.problem.hierarchy import Hierarchy
 from moseg_core.problem.recipe import Recipe, load_recipe
 from moseg_core.problem.settings import OptionValues, SearchOptions
@@ -111,10 +111,12 @@ def read_number(given: int | str) -> int | None:
     """
     if given == AUTO:
         return None
-    if isinstance(given, str) and given.isdecimal():
+    if isinstance(given, str) and given.isdecimal() and len(given) < 10:
         given = int(given)
     if isinstance(given, bool) or not isinstance(given, Integral) or given < 1:
-        raise UsageError(f"the number of parts must be a number from 1 on or 'auto', not {given!r}")
+        raise UsageError(
+            f"the number of parts must be a number from 1 on or 'auto', not {shown(given)}"
+        )
     return int(given)
 
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from PIL.ImageFont import FreeTypeFont, ImageFont
 
 #: No picture has room for as many characters on a line.
-_LONGEST = 1000
+_LONGEST = 300
 _DARK, _FAINT, _PALE = (34, 34, 34), (110, 110, 110), (176, 176, 176)
 
 

@@ -51,8 +51,8 @@ def read_views(text: str) -> tuple[View, ...] | int:
     """
     text = text.strip()
     if text.isdecimal():
-        if not 1 <= int(text) <= _MOST:
-            raise UsageError(f"{text} views cannot be drawn; allowed are 1 to {_MOST}")
+        if len(text) > 9 or not 1 <= int(text) <= _MOST:
+            raise UsageError(f"{text:.20} views cannot be drawn; allowed are 1 to {_MOST}")
         return int(text)
     known: tuple[View, ...] = get_args(View)
     by_name: dict[str, View] = {view: view for view in known}

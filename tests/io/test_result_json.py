@@ -134,7 +134,7 @@ def test_a_step_of_the_search_that_is_none_is_refused(box, tmp_path, key, value)
     [
         (lambda document: document.pop("format"), "is not a moseg result; make one with"),
         (lambda document: document.update(format="other/9"), "has the format 'other/9'"),
-        (lambda document: document.pop("labels"), r"is a damaged result \(KeyError: 'labels'\)"),
+        (lambda document: document.pop("labels"), r"is a damaged result \(no 'labels'\)"),
         (lambda document: document.update(terms=3), "is a damaged result"),
         (lambda document: document["cost"].update(value="low"), "is a damaged result"),
     ],

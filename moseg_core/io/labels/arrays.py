@@ -38,6 +38,7 @@ _DAMAGED = (
 )
 #: Bytes that any archive may unpack to; beside these so many for each of its own, and for each
 #: element, vertex or cell of the shape.
+_DIGITS = 18  # of a label
 _UNPACKED, _PER_BYTE, _PER_BEARER = 2**26, 100, 64
 
 
@@ -149,6 +150,8 @@ def _listing(path: Path, array: npt.NDArray[np.generic], wanted: Wanted) -> List
         if not words or not all(word.lstrip("+-").isdecimal() for word in words):
             names_of, names = numbered_names(words)
             return Listing(labels=names_of, names=names or None)
+        if any(len(word) > _DIGITS for word in words):
+            raise file_error(path, "has labels that are too large; labels count from 0")
         array = np.array(list(map(int, words)), np.int64)
     if array.ndim != 1 or array.dtype.kind not in "biuf":
         raise file_error(

@@ -163,7 +163,10 @@ def _rows(path: Path, text: str, wanted: Wanted) -> Rows:
 
 def _cells(line: str, delimiter: str | None) -> Cells:
     if '"' in line and delimiter is not None:  # a quoted name may hold the delimiter
-        return [cell.strip() for cell in next(csv.reader([line], delimiter=delimiter))]
+        try:
+            return [cell.strip() for cell in next(csv.reader([line], delimiter=delimiter))]
+        except csv.Error:  # cells beyond the reader's limit
+            pass
     return [_unquoted(cell) for cell in line.split(delimiter)]
 
 

@@ -17,7 +17,6 @@ form                                                    who
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -25,6 +24,7 @@ from typing import Any, NoReturn
 
 import numpy as np
 
+from moseg_core.io.json_document import MOST_BYTES, parse_json
 from moseg_core.io.labels.listing import (
     Listing,
     Of,
@@ -85,8 +85,8 @@ def read_json(path: Path, wanted: Wanted) -> Listing:
     [1, -1, 0]
     """
     try:
-        document = json.loads(read_file(path))
-    except (ValueError, RecursionError) as error:
+        document = parse_json(read_file(path, most=MOST_BYTES))
+    except ValueError as error:
         raise file_error(path, f"is not JSON ({error}); {_FORMS}") from error
     if isinstance(document, dict):
         return _member(path, document, wanted)

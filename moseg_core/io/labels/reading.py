@@ -26,6 +26,7 @@ from moseg_core.io.labels.labelling import Labelling
 from moseg_core.io.labels.listing import Listing, Wanted
 from moseg_core.io.labels.obj import read_obj_labels
 from moseg_core.io.labels.ply import read_ply_labels
+from moseg_core.io.labels.safe_names import safe_names
 from moseg_core.io.labels.stl import read_stl_labels
 from moseg_core.io.labels.text import read_text
 from moseg_core.io.read.checked import file_error
@@ -126,6 +127,14 @@ def read_labels(
             f"gives {wanted.noun} {element} the label {labels[element]}, but names only"
             f" {len(names)} labels (both counted from 0)",
         )
+    if names is not None and (safe := safe_names(names)) != tuple(names):
+        changed = [new for new, old in zip(safe, names, strict=True) if new != old]
+        notes = (
+            *notes,
+            f"{path.name}: names of labels that are too long, or hold what cannot be seen:"
+            f" {len(changed)}, such as '{changed[0]:.40}'",
+        )
+        names = safe
     missing = int((labels < 0).sum())
     if missing and missing == len(labels):
         raise file_error(path, f"gives a label to none of the {missing} {wanted.noun}s")

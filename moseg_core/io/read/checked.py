@@ -51,8 +51,8 @@ def file_error(path: Path, what: str, *, line: int | None = None) -> ShapeError:
     return ShapeError(f"{where} {what}")
 
 
-def read_file(path: Path) -> bytes:
-    """All bytes of a file.
+def read_file(path: Path, *, most: int | None = None) -> bytes:
+    """All bytes of a file, of which there may be no more than so many.
 
     Raises
     ------
@@ -60,7 +60,7 @@ def read_file(path: Path) -> bytes:
         The file cannot be read, is none but a pipe or a device, or is empty.
     """
     try:
-        data = read_regular_file(path)
+        data = read_regular_file(path, most=most)
     except OSError as error:
         reason = error.strerror or str(error)
         raise file_error(path, f"cannot be read ({reason}); check the path {path}") from error

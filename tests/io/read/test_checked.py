@@ -48,7 +48,7 @@ def test_coordinates_of_single_precision_can_be_measured(tmp_path):
 def test_files_that_cannot_be_read(tmp_path):
     with pytest.raises(ShapeError, match=r"^gone cannot be read \(No such file or directory\)"):
         read_file(tmp_path / "gone")
-    with pytest.raises(ShapeError, match=r" cannot be read \(Is a directory\)"):
+    with pytest.raises(ShapeError, match=r" cannot be read \(it is a folder, not a file\)"):
         read_file(tmp_path)
     (tmp_path / "blank").write_bytes(b"\n \r\n")
     with pytest.raises(ShapeError, match=r"^blank is empty; export it again$"):
