@@ -140,6 +140,9 @@ def _code_of(arguments: list[str]) -> int:
     except KeyboardInterrupt:
         print("moseg: interrupted", file=sys.stderr)
         return 130
+    except MemoryError:
+        print("moseg: there is not enough memory for that", file=sys.stderr)
+        return 1
     except BrokenPipeError:
         return 0
     except OSError as error:

@@ -51,6 +51,16 @@ def test_an_error_of_the_system_names_its_file(moseg, monkeypatch):
     assert (run.code, run.err) == (1, "moseg: 'shapes/a.off': Input/output error\n")
 
 
+def test_too_little_memory_is_told_in_a_line(moseg, monkeypatch):
+    run = run_command(moseg, monkeypatch, MemoryError())
+    assert (run.code, run.err) == (1, "moseg: there is not enough memory for that\n")
+
+
+def test_no_terminal_obeys_a_message(moseg, monkeypatch):
+    run = run_command(moseg, monkeypatch, UsageError("a\x1b[2J\nmoseg: wrote r.json"))
+    assert run.err == r"moseg: a\x1b[2J\nmoseg: wrote r.json" + "\n"
+
+
 def test_what_is_no_error_of_ours_keeps_its_traceback(moseg, monkeypatch):
     with pytest.raises(ZeroDivisionError):
         run_command(moseg, monkeypatch, ZeroDivisionError())
