@@ -8,6 +8,7 @@ ninety-eight wants these.
 
 from __future__ import annotations
 
+import os
 import sys
 import time
 from collections import Counter
@@ -226,7 +227,7 @@ def _measured(
     path, labels = _files(word, finder)
     saved = path.suffix.lower() == ".json"
     for file in (labels, path if saved else None):  # of shapes whoever reads them says more
-        if file is not None and not file.exists():
+        if file is not None and not os.path.exists(file):
             raise ShapeError(f"'{file}' does not exist{instead_of(file)}")
     if saved:
         return _of_result(path, reading, folders)
@@ -269,7 +270,7 @@ def _of_batch(word: str) -> list[str]:
 def _files(word: str, finder: Finder | None) -> tuple[Path, Path | None]:
     """A shape and its labels, the same file where it may bear them, or none where it cannot."""
     whole = Path(word)
-    if "=" in word and not whole.exists():  # a file may have the sign in its name
+    if "=" in word and not os.path.exists(whole):  # a file may have the sign in its name
         shape, _, labels = word.rpartition("=")
         if not shape or not labels:
             raise UsageError(f"'{word}' is not understood; write SHAPE=LABELS")

@@ -14,7 +14,7 @@ from moseg_core.samples import sample_labels_path, sample_path
 def run_sample(name: str, out: Path, labels: Path | None) -> None:
     """Write the mesh, and its labels where asked."""
     if out.suffix.lower() != ".ply":
-        raise UsageError(f"samples are written as PLY; name the file '{out.with_suffix('.ply')}'")
+        raise UsageError(f"samples are written as PLY; name the file '{out.stem}.ply'")
     if labels is not None and labels.suffix.lower() not in (".seg", ".txt"):
         raise UsageError(f"labels are written as .txt or .seg, not '{labels.suffix}'")
     for path in (out, *([labels] if labels else [])):

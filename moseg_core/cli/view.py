@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 from moseg_core.cli.console import message
@@ -38,7 +39,7 @@ def run_view(
             raise UsageError(f"a page is written as .html, not {asked}")
         check_destination(out)
     for path in (source, labels):
-        if path is not None and not path.exists():
+        if path is not None and not os.path.exists(path):
             raise UsageError(f"'{path}' does not exist{instead_of(path)}")
     if labels is None and source.suffix.lower() == ".json":
         shape, labels = _shape_of(source, reading), source

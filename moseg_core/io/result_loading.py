@@ -206,16 +206,19 @@ def _candidates(
     likely = [Path(recorded), path.parent / recorded] if recorded else []
     for folder in (path.parent, *folders):
         likely.append(folder / name)
-        if folder.is_dir():
-            suffixes = source.suffixes("reader")
-            likely += sorted(
-                file
-                for file in folder.iterdir()
-                for suffix in suffixes
-                if file.name.lower() == saved.shape["name"].lower() + suffix
-            )
+        wanted = {saved.shape["name"].lower() + suffix for suffix in source.suffixes("reader")}
+        likely += sorted(file for file in _entries(folder) if file.name.lower() in wanted)
     seen = set()
     for file in likely:
-        if file.is_file() and (real := file.resolve()) not in seen:
+        # Of a name that no file can have Path.is_file would raise.
+        if os.path.isfile(file) and (real := file.resolve()) not in seen:
             seen.add(real)
             yield file
+
+
+def _entries(folder: Path) -> list[Path]:
+    """What is in a folder; nothing where that may not be looked at."""
+    try:
+        return list(folder.iterdir())
+    except OSError:
+        return []

@@ -8,6 +8,7 @@ of elements without a label.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
@@ -49,7 +50,7 @@ def read_example(
     """
     path, labels = split_word(word)
     for file in (path, labels):
-        if not file.exists():
+        if not os.path.exists(file):
             raise UsageError(f"example '{word}': there is no file '{file}'")
     shape = load(path).with_adjacency(adjacency)
     try:
@@ -94,7 +95,7 @@ def split_word(word: str) -> tuple[Path, Path]:
     """
     whole = Path(word)
     # A file may have the sign in its name.
-    if "=" in word and not (whole.suffix.lower() in OWN and whole.exists()):
+    if "=" in word and not (whole.suffix.lower() in OWN and os.path.exists(whole)):
         shape, _, labels = word.rpartition("=")
         if not shape or not labels:
             raise UsageError(f"example '{word}' is not understood; write SHAPE=LABELS")
