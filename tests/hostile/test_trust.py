@@ -134,6 +134,7 @@ def labels(folder: Path) -> dict[str, str | bytes]:
         "far.txt": "0\n1\n2\n999999999999\n",
         "names.json": json.dumps({"labels": [0, 1, 0, 1], "names": {"9" * 18: "x", "0": "a"}}),
         "cells.csv": 'face,part\n0,"' + 200_000 * "a" + '"\n1,b\n2,b\n3,b\n',
+        "digits.csv": f"face,label\n{5000 * '9'},a\n1,b\n2,c\n3,d\n",
         "nothing.npz": b"PK\x05\x06" + bytes(18),
     }
 

@@ -143,7 +143,7 @@ def _listing(path: Path, array: npt.NDArray[np.generic], wanted: Wanted) -> List
         labels = whole_labels(path, array.reshape(-1), noun="cell")
         return Listing(labels=labels[labels >= 0] if (labels < 0).any() else labels)
     column: tuple[str, ...] = ()
-    if array.ndim == 2 and array.dtype.kind in "biuf":
+    if array.ndim == 2 and array.size and array.dtype.kind in "biuf":
         array, column = _column(path, array, wanted)
     if array.ndim == 1 and array.dtype.kind == "U":
         words = _texts(path, array)

@@ -229,7 +229,10 @@ def _of_map(path: Path, value: Mapping[str, Any], wanted: Wanted) -> Listing:
         rows, notes = labels_of_ids(path, groups, n, noun=noun)
         labels = np.where(rows < 0, UNLABELLED, found.labels[rows])
         return Listing(labels=labels, names=found.names, of=wanted.bearer, notes=notes)
-    _refuse(path, f"has no labels under its members {', '.join(map(repr, list(value)[:6]))}")
+    _refuse(
+        path,
+        f"has no labels under its members {', '.join(f'{key!r:.40}' for key in list(value)[:6])}",
+    )
 
 
 def _of_groups(path: Path, groups: Sequence[tuple[str, Any]], wanted: Wanted) -> Listing:

@@ -20,7 +20,8 @@ from moseg_core.types import UNLABELLED, IntArray
 FACE_ID = re.compile(r"[+-]?[0-9]+(\s|$)")
 """What a name must not begin with, so that it cannot be taken for a line of face ids."""
 
-_IDS = re.compile(r"\s*([+-]?[0-9]+\s*)*$")
+# Possessive: else digits could be split in ever more ways before a line is given up.
+_IDS = re.compile(r"\s*+(?:[+-]?[0-9]++\s*+)*+$")
 
 
 def are_named_lines(text: str) -> bool:

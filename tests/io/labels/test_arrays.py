@@ -163,3 +163,8 @@ def test_members_that_are_no_arrays_are_refused(members, compression, refusal, d
     data = archive(members, compression)
     assert refusal(lambda path: read_npz(path, WANTED), "x.npz", data)
     assert damages(lambda path: read_npz(path, WANTED), "x.npz", data) > 20
+
+
+def test_a_matrix_without_columns_is_no_row_of_labels(refusal):
+    said = refusal(lambda path: read_npy(path, WANTED), "x.npy", npy(np.zeros((3, 0))))
+    assert said.startswith(" holds float64 of shape (3, 0) instead of a row of whole labels")

@@ -57,3 +57,9 @@ def test_faces_that_stand_nowhere_have_no_label(as_file):
     found = read_labels(as_file("x.txt", "a\n1 4\nb\n2\n"), 5)
     assert found.labels.tolist() == [0, 1, -1, 0, -1]
     assert found.notes == ("x.txt: 2 of 5 elements are unlabelled and left out",)
+
+
+def test_a_long_number_behind_a_name_is_looked_at_once():
+    """Whether a line is one of ids took twice as long with each digit, where it is none."""
+    assert not are_named_lines("face,label\n" + 5000 * "9" + ",a\n1,b\n")
+    assert are_named_lines("face\n" + 5000 * "9" + " +1 -2\n")
