@@ -21,7 +21,6 @@ from typing import Any
 from rich.progress import BarColumn, TextColumn
 from rich.progress import Progress as Bars
 from rich.table import Table
-from rich.text import Text
 
 from moseg_core.batching.driver import BatchReport, Limits, run_batch
 from moseg_core.batching.instructions import Instructions
@@ -200,7 +199,7 @@ def print_outcomes(result: BatchResult) -> None:
     for heading in ("shape", "outcome", "why"):
         failures.add_column(heading, overflow="fold")
     for outcome in result.failed[:_LISTED]:
-        failures.add_row(Text(outcome.shape), outcome.kind, Text(_short(outcome.message)))
+        failures.add_row(outcome.shape, outcome.kind, _short(outcome.message))
     out.print(failures)
     if len(result.failed) > _LISTED:
         out.print(f"and {len(result.failed) - _LISTED} others, in the ledger")
@@ -245,9 +244,9 @@ def progress_of_batch(
         yield _lines(clock)
         return
     bars = Bars(
-        TextColumn("{task.fields[count]}"),
+        TextColumn("{task.fields[count]}", markup=False),
         BarColumn(),
-        TextColumn("{task.description}"),
+        TextColumn("{task.description}", markup=False),
         console=console(sys.stderr),
         transient=True,
         auto_refresh=False,
