@@ -62,6 +62,8 @@ _REPORT_EVERY = 0.2
 _MOST_HAND_OUTS = 4
 #: The name of a file that is being written: that of the file itself, and letters behind.
 _ASIDE = re.compile(r"\.(.+)\.[a-z0-9_]{8}")
+#: Characters of such a name that are kept at least, where it is long.
+_CUT = 40
 #: Bytes below which no process of moseg starts.
 _LEAST_MEMORY = 500e6
 
@@ -451,5 +453,6 @@ def _sweep(folder: Path, templates: Sequence[str], names: Sequence[str]) -> None
         for entry in os.scandir(place) if place.is_dir() else ():
             if aside := _ASIDE.fullmatch(entry.name):
                 name = aside[1]
-                if name in exact or any(fnmatch.fnmatchcase(name, each) for each in patterns):
+                cut = len(name) >= _CUT and any(file.startswith(name) for file in exact)
+                if name in exact or cut or any(fnmatch.fnmatchcase(name, p) for p in patterns):
                     Path(entry.path).unlink(missing_ok=True)

@@ -27,8 +27,8 @@ def own_versions() -> dict[str, str]:
 
     Examples
     --------
-    >>> sorted(own_versions())[:2]
-    ['moseg-core', 'moseg-mds']
+    >>> {"moseg-core", "numpy", "python"} <= set(own_versions())
+    True
     """
     found = {"python": platform.python_version()}
     found |= {name: metadata.version(name) for name in _LIBRARIES}
