@@ -10,10 +10,7 @@ What would be wrong with every shape is refused before the first is begun.
 
 from __future__ import annotations
 
-import fnmatch
-import glob
 import os
-import re
 import threading
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -39,12 +36,13 @@ from moseg_core.batching.jobs import (
     shape_names,
 )
 from moseg_core.batching.ledger import Ledger
+from moseg_core.batching.leftovers import take_away_leftovers
 from moseg_core.batching.outcome import BatchProgress, BatchResult, Outcome
 from moseg_core.batching.running import close_children, forget_children, run_job
 from moseg_core.batching.versions import own_versions
 from moseg_core.errors import MosegError, UsageError
 from moseg_core.io.files import check_form
-from moseg_core.io.part_files import PartForm, is_for_parts
+from moseg_core.io.part_files import PartForm
 from moseg_core.io.reading import Reading
 from moseg_core.problem.recipe import Recipe, load_recipe
 from moseg_core.problem.settings import SearchOptions
@@ -60,10 +58,6 @@ _WAITING = 1
 _REPORT_EVERY = 0.2
 #: How often a job is handed out whose worker is lost with it.
 _MOST_HAND_OUTS = 4
-#: The name of a file that is being written: that of the file itself, and letters behind.
-_ASIDE = re.compile(r"\.(.+)\.[a-z0-9_]{8}")
-#: Characters of such a name that are kept at least, where it is long.
-_CUT = 40
 #: Bytes below which no process of moseg starts.
 _LEAST_MEMORY = 500e6
 
@@ -244,7 +238,7 @@ def run_batch(
             folder.rmdir()
         raise
     with Ledger(folder, resume=resume) as ledger:
-        _sweep(folder, templates, names)
+        take_away_leftovers(folder, templates, names)
         jobs = _jobs(paths, names, instructions, folder, templates, limits)
         run = _Run(ledger=ledger, folder=folder, total=len(paths), report=report)
         with _executor(executor, count) as pool:
@@ -433,26 +427,3 @@ def _executor(given: Executor | None, count: int) -> Iterator[Executor]:
         close_children(threads)
         pool.shutdown(wait=True)
         forget_children(threads)
-
-
-def _sweep(folder: Path, templates: Sequence[str], names: Sequence[str]) -> None:
-    """Take away what processes that were killed have left of files they were writing.
-
-    A file is written aside under its own name with a dot in front and some letters behind
-    (:mod:`moseg_core.io.whole_file`), and nobody else is at work on this batch.
-    """
-    asked = (os.path.join(folder, f"{PLACE}.json"), *templates)
-    wanted: dict[Path, list[str]] = {}
-    for template in asked:
-        for name in names:
-            output = Path(os.path.abspath(template.replace(PLACE, name)))
-            wanted.setdefault(output.parent, []).append(output.name)
-    for place, files in wanted.items():
-        exact = {file for file in files if not is_for_parts(Path(file))}
-        patterns = [glob.escape(file).replace("{part}", "*") for file in {*files} - exact]
-        for entry in os.scandir(place) if place.is_dir() else ():
-            if aside := _ASIDE.fullmatch(entry.name):
-                name = aside[1]
-                cut = len(name) >= _CUT and any(file.startswith(name) for file in exact)
-                if name in exact or cut or any(fnmatch.fnmatchcase(name, p) for p in patterns):
-                    Path(entry.path).unlink(missing_ok=True)

@@ -142,15 +142,6 @@ def forget_children(threads: list[int]) -> None:
             keeper.drop()
 
 
-def release_children() -> None:
-    """End all children of this process, which are idle; later jobs start others.
-
-    For processes that outlive a batch, such as the workers of a cluster, when it is over.
-    """
-    for keeper in list(_keepers.values()):
-        keeper.drop()
-
-
 def _request(job: Job) -> dict[str, Any]:
     return {
         "shape": job.shape,

@@ -213,32 +213,6 @@ def test_few_jobs_are_under_way_and_stopping_begins_no_others(shape_folder):
     assert len(pool.jobs) == 20 - len(done.outcomes)
 
 
-def test_what_a_killed_process_was_writing_is_taken_away_and_nothing_else(shape_folder):
-    long = "x" * 60
-    for name in ("a", long):
-        write_shape(shape_folder, name)
-    Path("out/a").mkdir(parents=True)
-    torn = [
-        ".a.json.abc_0123",
-        f".{long}.json.abcd0123",
-        f".{long[:40]}.abcd0123",
-        "a/.b.ply.0_a_b_c_",
-    ]
-    kept = [
-        ".a.json.backup",
-        ".b.json.abc_0123",
-        "a/.b.stl.0_a_b_c_",
-        "a.json.abc_0123",
-        ".x.abcd0123",
-    ]
-    for name in torn + kept:
-        Path("out", name).write_text("")
-    with Unreliable(sound, 0) as pool:
-        plain(["models/*.off"], PLAIN, "out", outputs=["out/{shape}/{part}.ply"], executor=pool)
-    assert [name for name in torn if Path("out", name).exists()] == []
-    assert [name for name in kept if Path("out", name).exists()] == kept
-
-
 @pytest.mark.parametrize(
     ("given", "said"),
     [

@@ -9,7 +9,7 @@ import pytest
 
 from moseg_core.batching import running
 from moseg_core.batching.jobs import Job
-from moseg_core.batching.running import close_children, forget_children, release_children, run_job
+from moseg_core.batching.running import close_children, forget_children, run_job
 from moseg_core.errors import MosegError, UsageError
 
 JOB = Job(
@@ -122,15 +122,6 @@ def test_no_child_gets_older_than_it_should(children, monkeypatch):
     for _ in range(5):
         assert run_job(JOB).ok
     assert [child.jobs for child in children] == [2, 2, 1]
-
-
-def test_children_that_are_released_are_started_again(children):
-    children.answers = [OK, OK]
-    run_job(JOB)
-    release_children()
-    assert children[0].ended
-    assert run_job(JOB).ok
-    assert len(children) == 2
 
 
 def test_a_batch_that_is_ended_starts_no_children(children):
