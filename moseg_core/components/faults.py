@@ -14,6 +14,7 @@ timed (:mod:`~moseg_core.components.profile`); terms, which are many, have words
 from __future__ import annotations
 
 import linecache
+import opcode
 import os
 import sys
 import traceback
@@ -22,14 +23,22 @@ from contextlib import contextmanager
 from types import FrameType
 
 from moseg_core.components.at_work import at_work
+from moseg_core.components.process_state import working_directory
 from moseg_core.components.profile import timed
+from moseg_core.components.side_effects import without_side_effects
 from moseg_core.errors import REPORT, MosegError, PluginError
 
 FAULTS: tuple[type[BaseException], ...] = (Exception, SystemExit)
-"""What a component's call is guarded against: ``sys.exit()`` too, but not Ctrl-C."""
+"""What a check is guarded against: ``sys.exit()`` too, but not Ctrl-C.
 
-#: Packages whose frames are nobody's fault: the core, Python, and what the core stands on.
-_BYSTANDERS = {"moseg_core", "pluggy", "numpy", "scipy", "numba"} | set(sys.stdlib_module_names)
+In a search more is a component's fault; see :func:`is_fault`.
+"""
+
+BYSTANDERS = {"moseg_core", "pluggy", "numpy", "scipy", "numba"} | set(sys.stdlib_module_names)
+"""Packages whose frames are nobody's fault: the core, Python, and what the core stands on."""
+
+#: The instruction of a ``raise`` statement.
+_RAISE = opcode.opmap["RAISE_VARARGS"]
 
 #: Characters of a source line that are shown.
 _LONGEST = 80
@@ -63,12 +72,42 @@ def guarded(
         Anything else was raised.
     """
     try:
-        with at_work(who), timed("component", name, source):
+        with at_work(who), timed("component", name, source), without_side_effects(who):
             yield
     except passes:
         raise
-    except FAULTS as error:
+    except BaseException as error:
+        if not is_fault(error):
+            raise
         raise PluginError(f"{who} {how}: {describe(error)}; {REPORT}") from error
+
+
+def is_fault(error: BaseException) -> bool:
+    """Whether what came out of a component's call is a fault of it, and not somebody's Ctrl-C.
+
+    Anything that is raised is, :class:`SystemExit` and other exceptions beside
+    :class:`Exception` among them. Python raises :class:`KeyboardInterrupt` wherever it happens to
+    be when a signal comes; only where the component's own code says ``raise`` it is the
+    component's.
+
+    Examples
+    --------
+    >>> is_fault(SystemExit(0)), is_fault(KeyboardInterrupt())
+    (True, False)
+    """
+    if isinstance(error, GeneratorExit):
+        return False
+    return not isinstance(error, KeyboardInterrupt) or _says_raise(error)
+
+
+def _says_raise(error: BaseException) -> bool:
+    """Whether the innermost frame is at a ``raise`` statement that is not the core's."""
+    trace = error.__traceback__
+    while trace is not None and trace.tb_next is not None:
+        trace = trace.tb_next
+    if trace is None or _package(trace.tb_frame) == "moseg_core":
+        return False
+    return trace.tb_frame.f_code.co_code[trace.tb_lasti] == _RAISE
 
 
 def summary(error: BaseException) -> str:
@@ -79,8 +118,35 @@ def summary(error: BaseException) -> str:
     >>> summary(ValueError("not\n  today"))
     'ValueError: not today'
     """
-    text = " ".join(str(error).split())
+    try:
+        text = " ".join(str(error).split())
+    except BaseException as failure:  # a stranger's object decides what it does when it is shown
+        if not is_fault(failure):
+            raise
+        text = "it does not say what"
     return f"{type(error).__name__}: {text}" if text else type(error).__name__
+
+
+def shown(value: object, *, most: int = 80) -> str:
+    """A stranger's object as a message shows it, whatever it does when it is asked.
+
+    Examples
+    --------
+    >>> shown("narrow"), shown([1] * 100, most=8)
+    ("'narrow'", '[1, 1...')
+    >>> class Shy:
+    ...     def __repr__(self):
+    ...         raise RuntimeError("no")
+    >>> shown(Shy())
+    'a Shy, which cannot be shown'
+    """
+    try:
+        text = " ".join(repr(value).split())
+    except BaseException as error:
+        if not is_fault(error):
+            raise
+        return f"a {type(value).__name__}, which cannot be shown"
+    return text if len(text) <= most else f"{text[: most - 3]}..."
 
 
 def place(error: BaseException) -> str:
@@ -100,7 +166,7 @@ def place(error: BaseException) -> str:
     author, found = "", None
     for frame, number in traceback.walk_tb(error.__traceback__):
         package = _package(frame)
-        if package not in _BYSTANDERS and package == (author or package):
+        if package not in BYSTANDERS and package == (author or package):
             author, found = package, (frame, number)
     if found is None:
         return ""
@@ -108,7 +174,7 @@ def place(error: BaseException) -> str:
     file = frame.f_code.co_filename
     line = " ".join(linecache.getline(file, number, frame.f_globals).split())
     shown = line if len(line) <= _LONGEST else f"{line[: _LONGEST - 3]}..."
-    return f"{_shortest(file)}:{number}" + (f': "{shown}"' if shown else "")
+    return f"{shortest(file)}:{number}" + (f': "{shown}"' if shown else "")
 
 
 def describe(error: BaseException) -> str:
@@ -128,7 +194,7 @@ def _package(frame: FrameType) -> str:
     return str(frame.f_globals.get("__name__", "")).partition(".")[0]
 
 
-def _shortest(file: str) -> str:
+def shortest(file: str) -> str:
     """A file as seen from the working directory where it is below that; else in full."""
-    here = os.path.join(os.getcwd(), "")
+    here = os.path.join(working_directory(), "")
     return file.removeprefix(here)

@@ -19,13 +19,14 @@ import numpy as np
 
 from moseg_core.components.at_work import at_work
 from moseg_core.components.detail import Detail
-from moseg_core.components.faults import FAULTS, describe
+from moseg_core.components.faults import describe, is_fault, shown
 from moseg_core.components.labellings import Labellings
 from moseg_core.components.part_array import PartArray
 from moseg_core.components.profile import timed
 from moseg_core.components.real_number import described, real_number
 from moseg_core.components.requirements import LackError
 from moseg_core.components.segmentation import Segmentation
+from moseg_core.components.side_effects import without_side_effects
 from moseg_core.errors import REPORT, PluginError, UsageError
 from moseg_core.problem.binding import BoundTerm
 from moseg_core.problem.slow_calls import under_watch
@@ -172,7 +173,7 @@ def _answered(
     assert term.vectorized is not None  # callers have looked
     try:
         profiled = timed("term", term.written, term.distribution, calls=len(rows))
-        with at_work(doing), under_watch(doing), profiled:
+        with at_work(doing), under_watch(doing), profiled, without_side_effects(who):
             returned = term.vectorized(array, **term.parameters)
     except UsageError as error:
         raise UsageError(f"in {where}: {error}") from error
@@ -180,7 +181,9 @@ def _answered(
         raise LackError(f"in {where}: {error}") from error
     except PluginError as error:
         raise PluginError(f"in {where}: {error}") from error
-    except FAULTS as error:
+    except BaseException as error:
+        if not is_fault(error):
+            raise
         raise PluginError(f"{who} failed in {where}: {describe(error)}; {REPORT}") from error
     try:
         given = np.asarray(returned)
@@ -223,7 +226,8 @@ def _computed(
     where = _where(term, call, labels)
     doing = f"{who} in {where}"
     try:
-        with at_work(doing), under_watch(doing), timed("term", term.written, term.distribution):
+        profiled = timed("term", term.written, term.distribution)
+        with at_work(doing), under_watch(doing), profiled, without_side_effects(who):
             returned = term.objective(subject, **term.parameters)
     except UsageError as error:  # it says what is wrong with its parameters
         raise UsageError(f"in {where}: {error}") from error
@@ -231,7 +235,9 @@ def _computed(
         raise LackError(f"in {where}: {error}") from error
     except PluginError as error:  # it names another component, such as a measure
         raise PluginError(f"in {where}: {error}") from error
-    except FAULTS as error:
+    except BaseException as error:
+        if not is_fault(error):
+            raise
         raise PluginError(f"{who} failed in {where}: {describe(error)}; {REPORT}") from error
     value = real_number(returned)
     if value is None:
@@ -268,12 +274,14 @@ def call_details(
     who = f"objective '{term.id}' of {term.distribution}"
     try:
         found = tuple(told(subject, **term.parameters))
-    except FAULTS as error:
+    except BaseException as error:
+        if not is_fault(error):
+            raise
         raise PluginError(
             f"{who} failed to say what its value comes from: {describe(error)}; {REPORT}"
         ) from error
     if not all(isinstance(detail, Detail) for detail in found):
-        raise PluginError(f"{who} must give its details as Detail, not {found!r:.60}; {REPORT}")
+        raise PluginError(f"{who} must give its details as Detail, not {shown(found, most=60)}; {REPORT}")
     return found
 
 

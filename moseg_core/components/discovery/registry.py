@@ -7,6 +7,9 @@ somebody who asks for one of its components hears of it, and ``moseg plugin list
 
 The core's own components come through the same door, as the bundle ``core``.
 
+A bundle can do worse than raise, so one that is new or changed is first imported by a child process
+(:mod:`moseg_core.components.discovery.first_import`).
+
 Two distributions that claim one namespace are both set aside; so is a bundle that was written for a
 contract that this core does not accept (:mod:`moseg_core.components.discovery.contract`). With
 ``MOSEG_STRICT=1`` whatever is set aside is an error, for tests that must not pass without it.
@@ -17,8 +20,9 @@ from __future__ import annotations
 import importlib
 import inspect
 import os
-from collections.abc import Iterable, Iterator, Sequence
-from contextlib import AbstractContextManager
+import sys
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from importlib import metadata
@@ -35,9 +39,12 @@ from moseg_core.components.discovery.distributions import (
     read_claims,
     required_distributions,
 )
+from moseg_core.components.discovery.first_import import verdicts
 from moseg_core.components.discovery.hookspecs import HOOKS
+from moseg_core.components.discovery.known_bundles import Verdict
 from moseg_core.components.discovery.specs import NAME, Kind, Spec
-from moseg_core.components.faults import FAULTS, describe, guarded, summary
+from moseg_core.components.faults import describe, guarded, is_fault, shown, summary
+from moseg_core.components.side_effects import without_side_effects
 from moseg_core.errors import MosegError, PluginError, UsageError, nearest, unknown
 
 NOT_INSTALLED = "not installed"
@@ -101,8 +108,13 @@ class Component:
         """
         module_name, _, attribute = self.spec.target.partition(":")
         try:
-            return getattr(importlib.import_module(module_name), attribute)
-        except FAULTS as error:
+            with without_side_effects(self.who):
+                return getattr(importlib.import_module(module_name), attribute)
+        except PluginError:
+            raise
+        except BaseException as error:
+            if not is_fault(error):
+                raise
             raise PluginError(
                 f"{self.who} cannot be loaded from '{self.spec.target}': {describe(error)}; update"
                 " or reinstall it"
@@ -280,34 +292,43 @@ def registry() -> Registry:
     """The registry of this process: everything installed, as MOSEG_PLUGINS restricts it.
 
     The environment variable ``MOSEG_PLUGINS`` holds the names of the bundles to load, separated
-    by commas; the bundle ``core`` is always loaded. ``MOSEG_STRICT=1`` asks that each of them can
-    be used.
+    by commas; the bundle ``core`` is always loaded. ``MOSEG_NO_PLUGINS=1`` loads that alone.
+    ``MOSEG_STRICT=1`` asks that each of them can be used.
 
     Raises
     ------
     UsageError
-        One of the two variables names no bundle, or is not understood.
+        One of the variables names no bundle, or is not understood.
     PluginError
         A bundle is set aside, and ``MOSEG_STRICT`` is 1.
     """
-    wanted = os.environ.get("MOSEG_PLUGINS")
+    wanted = "" if _is_on("MOSEG_NO_PLUGINS") else os.environ.get("MOSEG_PLUGINS")
     names = None if wanted is None else {name.strip() for name in wanted.split(",")} | {"core"}
     points = installed_points()
     for name in sorted((names or set()) - {point.name for point in points} - {""}):
         raise UsageError(f"MOSEG_PLUGINS: {unknown('bundle', name, {p.name for p in points})}")
-    found = discover(points, restrict_to=names)
-    strict = os.environ.get("MOSEG_STRICT", "")
-    if strict not in ("", "0", "1"):
-        raise UsageError(f"MOSEG_STRICT must be 1 or 0, not '{strict}'")
+    strict = _is_on("MOSEG_STRICT")
+    found = discover(points, restrict_to=names, judge=verdicts)
     aside = [f"'{bundle.name}': {bundle.problem}" for bundle in found.bundles if bundle.problem]
-    if aside and strict == "1":
+    if aside and strict:
         count = "a bundle is" if len(aside) == 1 else f"{len(aside)} bundles are"
         raise PluginError(f"{count} set aside, and MOSEG_STRICT is 1: {' | '.join(aside)}")
     return found
 
 
+def _is_on(variable: str) -> bool:
+    """Whether an environment variable is 1."""
+    value = os.environ.get(variable, "")
+    if value not in ("", "0", "1"):
+        raise UsageError(f"{variable} must be 1 or 0, not '{value}'")
+    return value == "1"
+
+
 def discover(
-    entry_points: Iterable[metadata.EntryPoint], *, restrict_to: set[str] | None = None
+    entry_points: Iterable[metadata.EntryPoint],
+    *,
+    restrict_to: set[str] | None = None,
+    judge: Callable[[Sequence[Claim]], Sequence[Verdict]] | None = None,
 ) -> Registry:
     """Load bundles from entry points; what fails is set aside, never raised.
 
@@ -316,26 +337,45 @@ def discover(
     entry_points : iterable of importlib.metadata.EntryPoint
     restrict_to : set of str, optional
         Names of the bundles to load; the others are not even imported.
+    judge : callable, optional
+        Says of claims which must not be imported here; see
+        :func:`moseg_core.components.discovery.first_import.verdicts`. Nobody is asked by default.
     """
-    manager = pluggy.PluginManager("moseg")
-    manager.add_hookspecs(hookspecs)
+    manager = _hooked_manager()
     claims = read_claims(entry_points)
-    bundles = []
+    wanted = [c for c in claims if restrict_to is None or c.point.name in restrict_to]
+    rivals: dict[str, dict[str, str]] = {claim.point.name: {} for claim in claims}
     for claim in claims:
-        if restrict_to is not None and claim.point.name not in restrict_to:
-            continue
-        rivals = {
-            rival.claimant: f"{rival.distribution} {rival.version}"
-            for rival in claims
-            if rival.point.name == claim.point.name
-        }
-        # Nobody can set the core aside.
-        alone = claim.point.name == "core" and claim.claimant == "moseg-core"
-        bundles.append(_load_bundle(manager, claim, () if alone else tuple(rivals.values())))
+        rivals[claim.point.name][claim.claimant] = f"{claim.distribution} {claim.version}"
+    # Nobody can set the core aside: it is the program itself.
+    claimants = [() if _is_the_core(c) else tuple(rivals[c.point.name].values()) for c in wanted]
+    judged = [c for c, others in zip(wanted, claimants, strict=True) if len(others) == 1]
+    found = iter(judge(judged) if judge is not None else [Verdict()] * len(judged))
+    bundles = [
+        _load_bundle(manager, c, others, next(found) if len(others) == 1 else Verdict())
+        for c, others in zip(wanted, claimants, strict=True)
+    ]
     return Registry(bundles)
 
 
-def _load_bundle(manager: pluggy.PluginManager, claim: Claim, claimants: Sequence[str]) -> Bundle:
+def load_alone(claim: Claim) -> Bundle:
+    """Load one bundle and no other; see :func:`discover`."""
+    return _load_bundle(_hooked_manager(), claim, (), Verdict())
+
+
+def _hooked_manager() -> pluggy.PluginManager:
+    manager = pluggy.PluginManager("moseg")
+    manager.add_hookspecs(hookspecs)
+    return manager
+
+
+def _is_the_core(claim: Claim) -> bool:
+    return claim.point.name == "core" and claim.claimant == "moseg-core"
+
+
+def _load_bundle(
+    manager: pluggy.PluginManager, claim: Claim, claimants: Sequence[str], verdict: Verdict
+) -> Bundle:
     """Load one bundle; `claimants` are all that claim its namespace."""
     point, distribution, version = claim.point, claim.distribution, claim.version
     bundle = Bundle(point.name, distribution, version, point.value, note=claim.note)
@@ -351,10 +391,48 @@ def _load_bundle(manager: pluggy.PluginManager, claim: Claim, claimants: Sequenc
         )
     if not NAME.match(point.name):
         return aside(f"'{point.name}' is not a valid namespace", report)
+    advice = f"update or reinstall {distribution}, or uninstall it"
+    if verdict.problem:
+        return aside(verdict.problem, advice)
+    if verdict.printed:
+        said = f"printed when it was imported, and left out: {shown(verdict.printed, most=60)}"
+        bundle = replace(bundle, note=f"{bundle.note}; {said}" if bundle.note else said)
+    with _unheard() if verdict.printed else nullcontext():
+        return _offered(manager, claim, bundle, aside, advice, report)
+
+
+@contextmanager
+def _unheard() -> Iterator[None]:
+    """While this lasts, what is printed on standard output, also below Python, goes nowhere."""
+    with open(os.devnull, "w", encoding="utf-8") as nowhere:
+        stream, sys.stdout = sys.stdout, nowhere
+        if stream is not None and not stream.closed:
+            stream.flush()
+        kept = os.dup(1)
+        os.dup2(nowhere.fileno(), 1)
+        try:
+            yield
+        finally:
+            sys.stdout = stream
+            os.dup2(kept, 1)
+            os.close(kept)
+
+
+def _offered(
+    manager: pluggy.PluginManager,
+    claim: Claim,
+    bundle: Bundle,
+    aside: Callable[[str, str], Bundle],
+    advice: str,
+    report: str,
+) -> Bundle:
+    """The bundle with what it offers, or set aside: imported, and asked."""
+    point, distribution, version = claim.point, claim.distribution, claim.version
     try:
         module = point.load()
-    except FAULTS as error:
-        advice = f"update or reinstall {distribution}, or uninstall it"
+    except BaseException as error:
+        if not is_fault(error):
+            raise
         if isinstance(error, ImportError) and (error.name or "").startswith("moseg_core"):
             advice += f"; it may need another moseg-core than {contract.VERSION}"
         return aside(f"importing '{point.value}' failed with {summary(error)}", advice)
@@ -365,7 +443,9 @@ def _load_bundle(manager: pluggy.PluginManager, claim: Claim, claimants: Sequenc
         if misspelled := _unknown_hooks(module):
             return aside(misspelled, report)
         manager.register(module, name=point.name)
-    except FAULTS as error:
+    except BaseException as error:
+        if not is_fault(error):
+            raise
         return aside(f"registering it failed with {summary(error)}", report)
 
     components: list[Component] = []
@@ -376,12 +456,14 @@ def _load_bundle(manager: pluggy.PluginManager, claim: Claim, claimants: Sequenc
                 continue
             try:
                 specs = list(implementation.function())
-            except FAULTS as error:
+            except BaseException as error:
+                if not is_fault(error):
+                    raise
                 return aside(f"hook '{hook}' failed with {summary(error)}", report)
             for spec in specs:
                 if not isinstance(spec, spec_type):
                     return aside(
-                        f"hook '{hook}' returned {spec!r:.80}, not a {spec_type.__name__}", report
+                        f"hook '{hook}' returned {shown(spec)}, not a {spec_type.__name__}", report
                     )
                 component = Component(point.name, f"{distribution} {version}", spec)
                 if any(c.id == component.id and c.kind == kind for c in components):
