@@ -5,7 +5,8 @@ from __future__ import annotations
 import io
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 
 from moseg_core.cli.collection import at_exit, importing
 from moseg_core.cli.overview import overview_of
@@ -29,6 +30,10 @@ _SLOW_TO_START = (
         "benchmark",
     ),
 )
+NO_PLUGINS = "--no-plugins"
+"""What any command takes: nothing is imported then but the core's own components."""
+
+_VARIABLE = "MOSEG_NO_PLUGINS"
 #: Commands that people give many shapes.
 _OF_ONE_SHAPE = ("tune", "view", "render", "explain", "field")
 
@@ -55,7 +60,27 @@ def main(arguments: Sequence[str] | None = None) -> None:
             sys.stdout, io.TextIOWrapper
         ):  # escapes what it has no letters for, as stderr
             sys.stdout.reconfigure(errors="backslashreplace")
-    sys.exit(_run(list(sys.argv[1:] if arguments is None else arguments)))
+    with _plugins_as_asked(list(sys.argv[1:] if arguments is None else arguments)) as rest:
+        code = _run(rest)
+    sys.exit(code)
+
+
+@contextmanager
+def _plugins_as_asked(arguments: list[str]) -> Iterator[list[str]]:
+    """The arguments without ``--no-plugins``; while this lasts, it is obeyed, also by children."""
+    end = arguments.index("--") if "--" in arguments else len(arguments)
+    if NO_PLUGINS not in arguments[:end]:
+        yield arguments
+        return
+    before = os.environ.get(_VARIABLE)
+    os.environ[_VARIABLE] = "1"
+    try:
+        yield [a for k, a in enumerate(arguments) if k >= end or a != NO_PLUGINS]
+    finally:
+        if before is None:
+            del os.environ[_VARIABLE]
+        else:
+            os.environ[_VARIABLE] = before
 
 
 def _tell(text: str) -> None:

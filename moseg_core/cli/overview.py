@@ -18,7 +18,10 @@ from typing import TextIO
 from moseg_core.components.discovery.contract import VERSION
 
 PURPOSE = "Say what the parts of a shape are like; get the shape cut into named parts."
-EPILOGUE = "Bundles bring further commands: see 'moseg plugin list'."
+EPILOGUE = (
+    "Bundles bring further commands: see 'moseg plugin list'. With --no-plugins any command does"
+    " without bundles."
+)
 VERSION_LINE = f"moseg {VERSION}"
 
 #: What there is to ask for, in the order of use, with what each does: the first line of its help.
@@ -103,7 +106,8 @@ def present_entries() -> dict[str, str]:
     return {
         name: summary
         for name, summary in ENTRIES.items()
-        if name not in FROM_BUNDLES or find_spec(FROM_BUNDLES[name]) is not None
+        if name not in FROM_BUNDLES
+        or (find_spec(FROM_BUNDLES[name]) is not None and os.environ.get("MOSEG_NO_PLUGINS") != "1")
     }
 
 

@@ -1,11 +1,11 @@
 """Where a process crashed, from what ``faulthandler`` wrote: the author's line.
 
-A fault in native code ends its process without an exception. ``faulthandler`` then writes the stacks
-of all threads, and the names of all extension modules that were imported; somebody else, who
+A fault in native code ends its process without an exception. ``faulthandler`` then writes the
+stacks of all threads, and the names of all extension modules that were imported; somebody else, who
 survived, reads that here (:mod:`moseg_core.components.discovery.first_import`,
 :mod:`moseg_core.testing.processes.watching_parent`). As with exceptions
-(:func:`moseg_core.components.faults.place`) the line to begin at is the innermost of the author's own;
-deeper ones are of the libraries that it called.
+(:func:`moseg_core.components.faults.place`) the line to begin at is the innermost of the author's
+own; deeper ones are of the libraries that it called.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ def crash_place(dump: str) -> str:
     Examples
     --------
     >>> dump = (
-    ...     "Fatal Python error: Segmentation fault\n\nCurrent thread 0x1 (most recent call first):\n"
+    ...     "Current thread 0x1 (most recent call first):\n"
     ...     f'  File "{os.__file__}", line 9 in read\n'
     ...     '  File "/acme/bore.py", line 4 in bore\n'
     ...     "\nExtension modules: numpy.core (total: 1)\n"

@@ -1,14 +1,14 @@
 """What a process has one of, and a component has no business to change.
 
 The working directory, the global generators of random numbers, the handlers of signals and the rest
-of :data:`ITEMS` belong to the whole program. A component that changes one of them changes what others
-compute, where files land, or whether Ctrl-C is heard. :func:`look` notes how things are,
+of :data:`ITEMS` belong to the whole program. A component that changes one of them changes what
+others compute, where files land, or whether Ctrl-C is heard. :func:`look` notes how things are,
 :func:`changed` says in words what is no longer so, and :func:`restore` puts back what can be.
 
-Three look: the first import of a bundle (:mod:`moseg_core.components.discovery.trial`), every call of
-a component now and then (:mod:`moseg_core.components.side_effects`), and the contract kit
-(:mod:`moseg_core.testing.checks.side_effects`). Imports nothing heavy: numpy is only looked at where
-somebody has imported it.
+Three look: the first import of a bundle (:mod:`moseg_core.components.discovery.trial`), every call
+of a component now and then (:mod:`moseg_core.components.side_effects`), and the contract kit
+(:mod:`moseg_core.testing.checks.side_effects`). Imports nothing heavy: numpy is only looked at
+where somebody has imported it.
 """
 
 from __future__ import annotations

@@ -5,11 +5,11 @@ generators of random numbers makes a stranger's results repeat, or differ. Eithe
 exception: the call ends in a :class:`~moseg_core.errors.PluginError` that names the component, and
 things are put back as they were (:mod:`moseg_core.components.process_state`).
 
-The working directory is looked at with each call, which takes a microsecond. To look at the rest takes
-longer than some objectives do, so it is looked at in the first call of each component in a process,
-the second, fourth, eighth and so on: what a component does with every call is found in the first, and
-what is done rarely is found in the end, or by the contract kit. Where other threads run than moseg's
-own, any of them may have made the change, and nobody is blamed.
+The working directory is looked at with each call, which takes a microsecond. To look at the rest
+takes longer than some objectives do, so it is looked at in the first call of each component in a
+process, the second, fourth, eighth and so on: what a component does with every call is found in the
+first, and what is done rarely is found in the end, or by the contract kit. Where other threads run
+than moseg's own, any of them may have made the change, and nobody is blamed.
 """
 
 from __future__ import annotations

@@ -281,7 +281,9 @@ def call_details(
             f"{who} failed to say what its value comes from: {describe(error)}; {REPORT}"
         ) from error
     if not all(isinstance(detail, Detail) for detail in found):
-        raise PluginError(f"{who} must give its details as Detail, not {shown(found, most=60)}; {REPORT}")
+        raise PluginError(
+            f"{who} must give its details as Detail, not {shown(found, most=60)}; {REPORT}"
+        )
     return found
 
 

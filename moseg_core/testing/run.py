@@ -15,6 +15,7 @@ from typing import Any, Literal
 from moseg_core.components.discovery.registry import Registry, registry
 from moseg_core.components.discovery.specs import Kind, Spec
 from moseg_core.components.faults import FAULTS, describe
+from moseg_core.components.process_state import look, restore
 from moseg_core.errors import PluginError, UsageError, unknown
 from moseg_core.testing.check import CHECKS, Check, ContractFailure, Skip, Subject
 from moseg_core.testing.fixtures.alone import as_bundle
@@ -26,6 +27,7 @@ _MODULES = (
     "general",
     "declarations",
     "repeats",
+    "side_effects",
     "objectives",
     "vectorized",
     "invariances",
@@ -148,6 +150,7 @@ def _failure(check: Check, subject: Subject) -> tuple[str, str, BaseException | 
     with warnings.catch_warnings():
         # Warnings are the business of one check; to the others they must not be errors.
         warnings.simplefilter("ignore")
+        before = look()  # what one check's component changes must not hide another's
         try:
             check.run(subject)
         except Skip:
@@ -158,6 +161,8 @@ def _failure(check: Check, subject: Subject) -> tuple[str, str, BaseException | 
             return said, error.fix, error.__cause__
         except FAULTS as error:
             return f"it raised {describe(error)}", "", error
+        finally:
+            restore(before)
     return "", "", None
 
 

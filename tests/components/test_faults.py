@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import asyncio
 import importlib
 import os
+import signal
 import sys
 
 import numpy as np
@@ -12,7 +14,7 @@ import pytest
 from moseg_core.components.chosen import PreparedComponent
 from moseg_core.components.discovery.registry import Component
 from moseg_core.components.discovery.specs import ReaderSpec, SeederSpec
-from moseg_core.components.faults import describe, place, summary
+from moseg_core.components.faults import describe, place, shown, summary
 from moseg_core.errors import PluginError, UsageError
 
 SOURCE = (
@@ -147,9 +149,33 @@ def test_a_component_that_exits_is_named(module):
 
 def test_ctrl_c_passes():
     def press():
-        raise KeyboardInterrupt
+        signal.raise_signal(signal.SIGINT)
 
     assert isinstance(caught(guarded, SeederSpec, press), KeyboardInterrupt)
+
+
+@pytest.mark.parametrize("kind", [KeyboardInterrupt, BaseException, asyncio.CancelledError])
+def test_what_a_component_raises_itself_is_its_fault_whatever_it_is(kind):
+    def pretend():
+        raise kind("as if")
+
+    error = caught(guarded, SeederSpec, pretend)
+    assert isinstance(error, PluginError)
+    assert f"{kind.__name__}: as if (" in str(error)
+
+
+def test_what_cannot_be_shown_is_told_all_the_same():
+    class Shy(BaseException):
+        def __str__(self):
+            raise RuntimeError("no")
+
+        __repr__ = __str__
+
+    def shy():
+        raise Shy
+
+    assert "Shy: it does not say what" in str(caught(guarded, SeederSpec, shy))
+    assert shown(Shy()) == "a Shy, which cannot be shown"
 
 
 def test_errors_about_files_pass_from_readers_only(module):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import pickle
+import signal
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated
 
@@ -481,7 +482,8 @@ def test_an_error_of_several_lines_is_told_in_one(row):
 
 def test_an_interruption_is_not_taken_for_a_failure(row):
     def odd(part: Part) -> float:
-        raise KeyboardInterrupt
+        signal.raise_signal(signal.SIGINT)
+        return 0.0
 
     with pytest.raises(KeyboardInterrupt):
         problem("a", "odd(a)", odd=odd).evaluate(row, [0] * 6)

@@ -1,14 +1,14 @@
 """The first import of a bundle, in a child process: a bundle may take its process along.
 
-Whoever asks what is installed imports all bundles, and a bundle can do anything then: end the process,
-crash it, hang, change the working directory or the handlers of signals. So a bundle that is new, or
-whose files have changed, is first imported by a child
-(:mod:`moseg_core.components.discovery.trial`), whose fate decides: the bundle is *set aside* with the
-reason, and never imported here, or it is imported as ever. One child tries all that are new; where
-one ends it, another goes on with the rest. What was found is remembered
-(:mod:`moseg_core.components.discovery.known_bundles`), so that bundles that are known cost a look at
-their files; where nothing can be remembered, every process tries them anew, which takes some tenths
-of a second.
+Whoever asks what is installed imports all bundles, and a bundle can do anything then: end the
+process, crash it, hang, change the working directory or the handlers of signals. So a bundle that
+is new, or whose files have changed, is first imported by a child
+(:mod:`moseg_core.components.discovery.trial`), whose fate decides: the bundle is *set aside* with
+the reason, and never imported here, or it is imported as ever. One child tries all that are new;
+where one ends it, another goes on with the rest. What was found is remembered
+(:mod:`moseg_core.components.discovery.known_bundles`), so that bundles that are known cost a look
+at their files; where nothing can be remembered, every process tries them anew, which takes some
+tenths of a second.
 
 Where no child can be started (on Windows, and in programs that have Python in them) bundles are
 imported as they are.

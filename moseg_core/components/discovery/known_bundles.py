@@ -1,14 +1,14 @@
 """Which bundles have been imported before, and what came of it: a record in the cache folder.
 
 A bundle is known by its entry point, distribution and version, and by the Python and core that
-imported it (:func:`identity`); together with time and size of each file that its import read. What was
-set aside hangs on more: on all files of its package, since any may be mended, and on the folders
-of ``sys.path``, which change when something is installed or removed.
+imported it (:func:`identity`); together with time and size of each file that its import read. What
+was set aside hangs on more: on all files of its package, since any may be mended, and on the
+folders of ``sys.path``, which change when something is installed or removed.
 
 The record, ``moseg-bundles.json``, is kept where compiled kernels are kept
-(:mod:`moseg_core.shape.compiled`): in ``NUMBA_CACHE_DIR``, else in ``__pycache__`` beside this file,
-else in the user's cache folder. It is written to the first of these that can be written to, and read
-from all. Where none can, nothing is remembered.
+(:mod:`moseg_core.shape.compiled`): in ``NUMBA_CACHE_DIR``, else in ``__pycache__`` beside this
+file, else in the user's cache folder. It is written to the first of these that can be written to,
+and read from all. Where none can, nothing is remembered.
 """
 
 from __future__ import annotations
@@ -61,8 +61,8 @@ def identity(claim: Claim) -> str:
     """What tells one installed bundle from another, for one Python and core."""
     place = "" if claim.point.dist is None else str(claim.point.dist.locate_file(""))
     return (
-        f"{claim.point.name} = {claim.point.value} of {claim.distribution} {claim.version} in {place}"
-        f" by moseg-core {VERSION}, Python {sys.version.partition(' ')[0]}"
+        f"{claim.point.name} = {claim.point.value} of {claim.distribution} {claim.version}"
+        f" in {place} by moseg-core {VERSION}, Python {sys.version.partition(' ')[0]}"
     )
 
 

@@ -380,25 +380,34 @@ def _load_bundle(
     point, distribution, version = claim.point, claim.distribution, claim.version
     bundle = Bundle(point.name, distribution, version, point.value, note=claim.note)
 
-    def aside(reason: str, advice: str) -> Bundle:
-        return replace(bundle, problem=f"{distribution} {version}: {reason}; {advice}")
-
-    report = f"report it to the authors of {distribution}, or uninstall it"
     if len(claimants) > 1:
-        return aside(
+        return _aside(
+            bundle,
             f"the namespace '{point.name}' is claimed by {' and '.join(sorted(claimants))}",
             "uninstall one of them",
         )
     if not NAME.match(point.name):
-        return aside(f"'{point.name}' is not a valid namespace", report)
-    advice = f"update or reinstall {distribution}, or uninstall it"
+        return _aside(bundle, f"'{point.name}' is not a valid namespace", _report(bundle))
     if verdict.problem:
-        return aside(verdict.problem, advice)
+        return _aside(bundle, verdict.problem, _renew(bundle))
     if verdict.printed:
         said = f"printed when it was imported, and left out: {shown(verdict.printed, most=60)}"
         bundle = replace(bundle, note=f"{bundle.note}; {said}" if bundle.note else said)
     with _unheard() if verdict.printed else nullcontext():
-        return _offered(manager, claim, bundle, aside, advice, report)
+        return _offered(manager, claim.point, bundle)
+
+
+def _aside(bundle: Bundle, reason: str, advice: str) -> Bundle:
+    problem = f"{bundle.distribution} {bundle.version}: {reason}; {advice}"
+    return replace(bundle, problem=problem)
+
+
+def _report(bundle: Bundle) -> str:
+    return f"report it to the authors of {bundle.distribution}, or uninstall it"
+
+
+def _renew(bundle: Bundle) -> str:
+    return f"update or reinstall {bundle.distribution}, or uninstall it"
 
 
 @contextmanager
@@ -418,35 +427,29 @@ def _unheard() -> Iterator[None]:
             os.close(kept)
 
 
-def _offered(
-    manager: pluggy.PluginManager,
-    claim: Claim,
-    bundle: Bundle,
-    aside: Callable[[str, str], Bundle],
-    advice: str,
-    report: str,
-) -> Bundle:
+def _offered(manager: pluggy.PluginManager, point: metadata.EntryPoint, bundle: Bundle) -> Bundle:
     """The bundle with what it offers, or set aside: imported, and asked."""
-    point, distribution, version = claim.point, claim.distribution, claim.version
+    report = _report(bundle)
     try:
         module = point.load()
     except BaseException as error:
         if not is_fault(error):
             raise
+        advice = _renew(bundle)
         if isinstance(error, ImportError) and (error.name or "").startswith("moseg_core"):
             advice += f"; it may need another moseg-core than {contract.VERSION}"
-        return aside(f"importing '{point.value}' failed with {summary(error)}", advice)
+        return _aside(bundle, f"importing '{point.value}' failed with {summary(error)}", advice)
     try:
         bundle = replace(bundle, contract=contract.stated(module))
-        if refused := contract.refusal(bundle.contract, distribution, contract.VERSION):
-            return aside(*refused)
+        if refused := contract.refusal(bundle.contract, bundle.distribution, contract.VERSION):
+            return _aside(bundle, *refused)
         if misspelled := _unknown_hooks(module):
-            return aside(misspelled, report)
+            return _aside(bundle, misspelled, report)
         manager.register(module, name=point.name)
     except BaseException as error:
         if not is_fault(error):
             raise
-        return aside(f"registering it failed with {summary(error)}", report)
+        return _aside(bundle, f"registering it failed with {summary(error)}", report)
 
     components: list[Component] = []
     for hook, (kind, spec_type) in HOOKS.items():
@@ -459,18 +462,20 @@ def _offered(
             except BaseException as error:
                 if not is_fault(error):
                     raise
-                return aside(f"hook '{hook}' failed with {summary(error)}", report)
+                return _aside(bundle, f"hook '{hook}' failed with {summary(error)}", report)
             for spec in specs:
                 if not isinstance(spec, spec_type):
-                    return aside(
-                        f"hook '{hook}' returned {shown(spec)}, not a {spec_type.__name__}", report
+                    return _aside(
+                        bundle,
+                        f"hook '{hook}' returned {shown(spec)}, not a {spec_type.__name__}",
+                        report,
                     )
-                component = Component(point.name, f"{distribution} {version}", spec)
+                component = Component(point.name, f"{bundle.distribution} {bundle.version}", spec)
                 if any(c.id == component.id and c.kind == kind for c in components):
-                    return aside(f"it offers the {kind} '{component.id}' twice", report)
+                    return _aside(bundle, f"it offers the {kind} '{component.id}' twice", report)
                 components.append(component)
     if not components:
-        return aside("it offers no components", "see the authors' guide on hooks")
+        return _aside(bundle, "it offers no components", "see the authors' guide on hooks")
     return replace(bundle, components=tuple(components))
 
 

@@ -9,10 +9,11 @@ line as JSON through a pipe of its own, since what a bundle prints must not get 
      "files": ["/.../moseg_vessels/plugin.py"]}
 
 A bundle that merely raises has no problem here: the registry will find the same, and say it in its
-own words. What it must not meet is what this module looks for: a bundle's own ``KeyboardInterrupt``,
-and changes of the process (:mod:`moseg_core.components.process_state`). The child ends after the
-first bundle with a problem, since the next ones would meet what that one has left behind. In the end it
-exits with a code of its own, which a bundle that has arranged for something else at exit changes.
+own words. What it must not meet is what this module looks for: a bundle's own
+``KeyboardInterrupt``, and changes of the process (:mod:`moseg_core.components.process_state`). The
+child ends after the first bundle with a problem, since the next ones would meet what that one has
+left behind. In the end it exits with a code of its own, which a bundle that has arranged for
+something else at exit changes.
 """
 
 from __future__ import annotations

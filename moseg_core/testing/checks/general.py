@@ -18,15 +18,18 @@ from functools import lru_cache
 from typing import Any, get_args
 
 from moseg_core.components import protocols
+from moseg_core.components.discovery.first_import import IN_TRIAL
 from moseg_core.components.discovery.registry import NOT_INSTALLED
 from moseg_core.components.discovery.specs import Invariance, Kind, Requirement
 from moseg_core.components.faults import FAULTS, describe
 from moseg_core.components.objectives import COST_ORDER, Arity, Traits
 from moseg_core.components.parameters import Parameter
+from moseg_core.components.process_state import AT_IMPORT, told
 from moseg_core.problem.problem import Problem
 from moseg_core.problem.recipe import load_recipe
 from moseg_core.problem.variants import closed_statements
 from moseg_core.testing.check import ContractFailure, Skip, Subject, check
+from moseg_core.testing.fixtures.observation import listening, observed
 from moseg_core.testing.fixtures.problems import constraints_on, evaluator_on
 from moseg_core.testing.fixtures.shapes import lump, twin
 from moseg_core.testing.fixtures.toys import optimizer_on
@@ -60,6 +63,7 @@ def _target_resolves(subject: Subject) -> None:
     spec = subject.component.spec
     did = f"'{spec.target}' was imported"
     try:
+        _first_load(subject)
         target = subject.load()
     except FAULTS as error:
         raise ContractFailure(
@@ -75,6 +79,26 @@ def _target_resolves(subject: Subject) -> None:
             expected=f"the function or class of the {spec.kind} '{spec.name}'",
             fix="let the target name the function or class itself",
         )
+
+
+def _first_load(subject: Subject) -> tuple[str, str]:
+    """What importing a component's module says, and what it changes; nothing the second time."""
+
+    def load() -> tuple[str, str]:
+        with listening() as heard:
+            _, changes = observed(subject.load, AT_IMPORT)
+        return heard["standard output"] or heard["standard error"], told(changes)
+
+    found: tuple[str, str] = subject.keep("first load", load)
+    return found
+
+
+def target_import(subject: Subject) -> tuple[str, str]:
+    """What importing the component's module printed, and what it changed of the process.
+
+    Nothing is known of a module that somebody had imported before the checks.
+    """
+    return _first_load(subject)
 
 
 @check("signature-fits", kinds=ALL, gate=True)
@@ -237,7 +261,7 @@ def _bundle_imports_light(subject: Subject) -> None:
         raise Skip("no bundle brings it yet")
     name = subject.component.bundle
     module = next(b.module for b in subject.registry.bundles if b.name == name)
-    heavy, failure = _imports(module, tuple(path or os.getcwd() for path in sys.path))
+    heavy, failure, _ = _imports(module, tuple(path or os.getcwd() for path in sys.path))
     if failure or heavy:
         raise ContractFailure(
             did=f"'{module}' was imported by itself, and its hooks were called",
@@ -248,29 +272,43 @@ def _bundle_imports_light(subject: Subject) -> None:
         )
 
 
+def bundle_import(module: str) -> tuple[str, str]:
+    """What importing a bundle's module printed, and what it changed of the process."""
+    return _imports(module, tuple(path or os.getcwd() for path in sys.path))[2]
+
+
 _IMPORT = """
-import json, sys
+import importlib, json, sys
 sys.path[:] = json.loads(sys.argv[2])
-before = set(sys.modules)
-import importlib
+from moseg_core.components.process_state import AT_IMPORT, changed, look, told
+before, state = set(sys.modules), look(AT_IMPORT)
 module = importlib.import_module(sys.argv[1])
 for name in dir(module):
     if isinstance(getattr(getattr(module, name), "moseg_impl", None), dict):
         getattr(module, name)()
-print("\\n" + json.dumps(sorted({name.partition(".")[0] for name in set(sys.modules) - before})))
+new = sorted({name.partition(".")[0] for name in set(sys.modules) - before})
+print("\\n" + json.dumps([new, told(changed(state))]), file=sys.__stdout__)
 """
 
 
 @lru_cache(maxsize=64)
-def _imports(module: str, path: tuple[str, ...]) -> tuple[list[str], str]:
-    """Heavy packages that importing a bundle's module imports, and what went wrong."""
+def _imports(module: str, path: tuple[str, ...]) -> tuple[list[str], str, tuple[str, str]]:
+    """Heavy packages that importing a bundle's module imports, what went wrong, and on the side.
+
+    The last is what it printed, and what it changed of the process.
+    """
     done = subprocess.run(
         [sys.executable, "-c", _IMPORT, module, json.dumps(path)],
+        stdin=subprocess.DEVNULL,
         capture_output=True,
         text=True,
         check=False,
+        env={**os.environ, IN_TRIAL: "1"},
     )
-    if done.returncode:
-        return [], (done.stderr.strip().splitlines() or ["it ended"])[-1]
-    loaded = set(json.loads(done.stdout.strip().splitlines()[-1]))
-    return sorted(loaded & HEAVY), ""
+    *printed, last = done.stdout.strip().splitlines() or [""]
+    if done.returncode or not last:
+        said = (done.stderr.strip().splitlines() or ["it ended"])[-1]
+        return [], said, ("", "")
+    loaded, changes = json.loads(last)
+    said = " ".join(" ".join([*printed, done.stderr]).split())
+    return sorted(set(loaded) & HEAVY), "", (said, changes)

@@ -250,8 +250,11 @@ def test_one_module_is_one_bundle(good):
     assert "registering it failed with ValueError" in second.problem
 
 
+PRESSED = "import signal\nsignal.raise_signal(signal.SIGINT)"
+
+
 def test_an_interruption_is_not_taken_for_a_failure(site):
-    site.add("slow", bundles={"slow": "slow_bundle"}, slow_bundle="raise KeyboardInterrupt")
+    site.add("slow", bundles={"slow": "slow_bundle"}, slow_bundle=PRESSED)
     with pytest.raises(KeyboardInterrupt):
         site.discover()
 

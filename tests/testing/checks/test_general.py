@@ -81,7 +81,7 @@ def test_the_gates_come_first_and_are_about_all_that_they_can_be():
     [("moseg_core.builtin.plugin", []), ("tests.testing.broken.heavy", ["numpy"])],
 )
 def test_what_importing_a_bundle_imports(module, heavy):
-    found, failure = general._imports(module, (str(Path.cwd()), *sys.path))
+    found, failure, _ = general._imports(module, (str(Path.cwd()), *sys.path))
     assert (found, failure) == (heavy, "")
 
 
