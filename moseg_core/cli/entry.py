@@ -113,14 +113,29 @@ def _obey(arguments: Sequence[str]) -> None:
         from moseg_core.cli.foreign import add_foreign_command
 
         add_foreign_command(arguments[0])
+    from moseg_core.components.side_effects import own_program
+
     try:
         command, bound, _ = app.parse_args(arguments, exit_on_error=False, print_error=False)
-        command(*bound.args, **bound.kwargs)
+        with own_program(_quiet if "--quiet" in arguments else _tell_of_printing):
+            command(*bound.args, **bound.kwargs)
     except UnusedCliTokensError as error:
         raise UsageError(_left_over(arguments[0], error.unused_tokens or [])) from error
     except CycloptsError as error:
         words = " ".join(str(error).split())
         raise UsageError(f"{words} (see 'moseg --help')") from error
+
+
+def _tell_of_printing(who: str, text: str) -> None:
+    """Say that a component prints, which is left out."""
+    from moseg_core.cli.console import message
+    from moseg_core.components.faults import shown
+
+    message(f"warning: {who} prints on standard output: {shown(text.strip())}; left out")
+
+
+def _quiet(who: str, text: str) -> None:
+    """Say nothing of it."""
 
 
 def _left_over(command: str, words: Sequence[str]) -> str:

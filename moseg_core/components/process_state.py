@@ -58,10 +58,14 @@ def _numpy_generator() -> tuple[Any, ...] | None:
 def _restore_numpy_generator(state: tuple[Any, ...] | None) -> None:
     module = _numpy_random()
     if module is not None and state is not None:
-        import numpy as np
-
         name, key, *rest = state
-        module.set_state((name, np.frombuffer(key, np.uint32), *rest))
+        module.set_state((name, _words(key), *rest))
+
+
+def _words(key: bytes) -> Any:
+    import numpy as np
+
+    return np.frombuffer(key, np.uint32)
 
 
 def _handlers() -> dict[str, Any]:
@@ -186,10 +190,19 @@ def look(items: Collection[str] = tuple(ITEMS)) -> State:
     return {name: ITEMS[name][0]() for name in ITEMS if name in items}
 
 
-def changed(before: State) -> dict[str, str]:
+def changed(before: State, *, draws: bool = False) -> dict[str, str]:
     """What is no longer as it was, each with more about it in words; empty where all is.
 
     What was not there before, numpy for one, has not changed.
+
+    Parameters
+    ----------
+    before : dict
+        As :func:`look` gave it.
+    draws : bool
+        Whether a global generator from which numbers were drawn has changed too. Some libraries
+        draw when they are imported, which may be in the middle of a call; that somebody has seeded
+        a generator is told anyway.
 
     Examples
     --------
@@ -204,6 +217,8 @@ def changed(before: State) -> dict[str, str]:
     found = {}
     for name, was in before.items():
         now = ITEMS[name][0]()
+        if name in _GENERATORS and not draws and now != was and _GENERATORS[name](was, now):
+            continue
         if was is None and name.startswith(("numpy", "the global generator of numpy")):
             continue
         if name == "the threads that run":
@@ -212,6 +227,41 @@ def changed(before: State) -> dict[str, str]:
         elif now != was:
             found[name] = _how(name, was, now)
     return found
+
+
+def _drawn(was: Any, now: Any) -> bool:
+    """Whether the generator of random comes from one state to the other by drawing some numbers."""
+    ahead = random.Random()
+    ahead.setstate(was)
+    for _ in range(_TWISTS):
+        if ahead.getstate()[1][:-1] == now[1][:-1]:
+            return True
+        ahead.getrandbits(32 * _WORDS)
+    return False
+
+
+def _drawn_from_numpy(was: Any, now: Any) -> bool:
+    """The same of numpy's; both are Mersenne twisters."""
+    if was is None or was[0] != now[0]:
+        return was is None
+    ahead = _numpy_random().RandomState()
+    _, key, place, *rest = was
+    ahead.set_state((was[0], _words(key), place, *rest))
+    for _ in range(_TWISTS):
+        if ahead.get_state()[1].tobytes() == now[1]:
+            return True
+        ahead.bytes(4 * _WORDS)
+    return False
+
+
+#: Words of a twister's state, which are made anew once they are used up, and how often that is
+#: followed.
+_WORDS, _TWISTS = 624, 100
+
+_GENERATORS = {
+    "the global generator of random": _drawn,
+    "the global generator of numpy.random": _drawn_from_numpy,
+}
 
 
 def _how(name: str, was: Any, now: Any) -> str:

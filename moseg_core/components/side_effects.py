@@ -10,13 +10,22 @@ takes longer than some objectives do, so it is looked at in the first call of ea
 process, the second, fourth, eighth and so on: what a component does with every call is found in the
 first, and what is done rarely is found in the end, or by the contract kit. Where other threads run
 than moseg's own, any of them may have made the change, and nobody is blamed.
+
+A program of its own, as the command line is, can ask for more with :func:`own_program`: there what
+components print does not reach standard output, which may be a document that another program reads,
+and a component that ends the process by ``os._exit`` fails instead.
 """
 
 from __future__ import annotations
 
+import io
+import os
+import sys
 import threading
-from contextlib import AbstractContextManager
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager
 from types import TracebackType
+from typing import Any
 
 from moseg_core.components.process_state import (
     AT_WORK,
@@ -33,6 +42,9 @@ _DIRECTORY = AT_WORK[0]
 
 #: How many calls there were of each component.
 _calls: dict[str, int] = {}
+
+Tell = Callable[[str, str], None]
+"""Receives a component and what it has printed, once for each."""
 
 
 def without_side_effects(who: str) -> AbstractContextManager[None]:
@@ -66,14 +78,18 @@ def without_side_effects(who: str) -> AbstractContextManager[None]:
 class _Call(AbstractContextManager[None]):
     """One call; how things were is noted when it begins."""
 
-    __slots__ = ("_before", "_closely", "_who")
+    __slots__ = ("_before", "_closely", "_stdout", "_who")
 
     def __init__(self, who: str, *, closely: bool) -> None:
         self._who, self._closely = who, closely
         self._before: State = {}
+        self._stdout: Any = None
 
     def __enter__(self) -> None:
         self._before = look(AT_WORK) if self._closely else {_DIRECTORY: working_directory()}
+        if _program is not None:
+            _program.calls.append((self._who, os.getpid()))
+            self._stdout, sys.stdout = sys.stdout, _program
 
     def __exit__(
         self,
@@ -81,6 +97,10 @@ class _Call(AbstractContextManager[None]):
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
+        if self._stdout is not None:
+            sys.stdout = self._stdout
+            if _program is not None:
+                _program.calls.pop()
         if not self._closely and working_directory() == self._before[_DIRECTORY]:
             return
         changes = changed(self._before)
@@ -97,3 +117,71 @@ def _alone() -> bool:
     return all(
         thread is here or thread.name.startswith("moseg-") for thread in threading.enumerate()
     )
+
+
+# -- A program of its own -------------------------------------------------------------------------
+
+
+class EndedProcessError(SystemExit):
+    """A component has called ``os._exit``."""
+
+
+class _Program(io.TextIOBase):
+    """Standard output as components see it."""
+
+    def __init__(self, tell: Tell) -> None:
+        self.calls: list[tuple[str, int]] = []
+        self._tell = tell
+        self._told: set[str] = set()
+
+    def writable(self) -> bool:
+        """Whether anything can be written here."""
+        return True
+
+    def write(self, text: str) -> int:
+        """Tell of the first that a component prints; the rest goes nowhere."""
+        who = self.calls[-1][0] if self.calls else ""
+        if text.strip() and who not in self._told:
+            self._told.add(who)
+            self._tell(who, text)
+        return len(text)
+
+
+_program: _Program | None = None
+
+
+@contextmanager
+def own_program(tell: Tell) -> Iterator[None]:
+    """Within this context the process is the caller's own, and components are kept from more.
+
+    Parameters
+    ----------
+    tell : callable
+        Called with the name of a component and what it prints, once for each; that, and what it
+        prints later, is left out.
+
+    Examples
+    --------
+    >>> heard = []
+    >>> with own_program(lambda who, text: heard.append(who)):
+    ...     with without_side_effects("seeder 'mine:far'"):
+    ...         print("looking around")
+    ...     print("done")
+    done
+    >>> heard
+    ["seeder 'mine:far'"]
+    """
+    global _program
+    before, leave = _program, os._exit
+
+    def refuse(code: int) -> Any:
+        if _program is None or not _program.calls or _program.calls[-1][1] != os.getpid():
+            leave(code)
+        raise EndedProcessError(f"os._exit({code})")
+
+    _program = _Program(tell)
+    os._exit = refuse  # type: ignore[assignment]  # it returns no more than the other does
+    try:
+        yield
+    finally:
+        os._exit, _program = leave, before

@@ -86,7 +86,7 @@ def _first_load(subject: Subject) -> tuple[str, str]:
 
     def load() -> tuple[str, str]:
         with listening() as heard:
-            _, changes = observed(subject.load, AT_IMPORT)
+            _, changes = observed(subject.load, AT_IMPORT, draws=False)
         return heard["standard output"] or heard["standard error"], told(changes)
 
     found: tuple[str, str] = subject.keep("first load", load)

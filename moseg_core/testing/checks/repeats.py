@@ -37,7 +37,7 @@ def baseline(subject: Subject) -> Answers:
 def _first_run(subject: Subject) -> tuple[Answers, dict[str, str]]:
     """What comes of the component when it is first run, and what that changes of the process."""
     found: tuple[Answers, dict[str, str]] = subject.keep(
-        "first run", lambda: observed(lambda: drive(subject), AT_IMPORT)
+        "first run", lambda: observed(lambda: drive(subject), AT_IMPORT, draws=False)
     )
     return found
 
