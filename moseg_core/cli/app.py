@@ -64,6 +64,7 @@ def segment(
     clip: Flag = False,
     out: Outputs = None,
     part_files: PartFlags = _PARTS_AS_CUT,
+    term_timeout: float | None = None,
     profile: Flag = False,
     json: Flag = False,
     quiet: Flag = False,
@@ -88,6 +89,9 @@ def segment(
         voxel grid (NPY, BINVOX).
     clip
         Cut the faces at boundaries, so that these are smooth, in meshes and pictures.
+    term_timeout
+        Seconds that a call of an objective may take; longer ones end the search, with the best so
+        far. Without limit by default.
     profile
         Print at the end, on stderr, where the time went: by stage, by term and component, by
         bundle. Everything is then done in one process.
@@ -112,6 +116,7 @@ def segment(
             clipped=clip,
             outputs=out or [],
             part_flags=part_files,
+            term_timeout=term_timeout,
             as_json=json,
             quiet=quiet,
         )

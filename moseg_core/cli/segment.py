@@ -43,6 +43,7 @@ from moseg_core.components.protocols import Centers
 from moseg_core.errors import REPORT, MosegError, PluginError, UsageError
 from moseg_core.io.part_files import PartForm
 from moseg_core.io.result_json import SavedResult, evaluation_document
+from moseg_core.problem.call_limit import limiting_calls
 from moseg_core.problem.label_sets import set_text
 from moseg_core.problem.slow_calls import naming_slow_calls
 from moseg_core.problem.statement import SEPARATOR
@@ -69,6 +70,7 @@ def run_segment(
     clipped: bool,
     outputs: list[Path],
     part_flags: PartFlags,
+    term_timeout: float | None,
     as_json: bool,
     quiet: bool,
 ) -> None:
@@ -138,6 +140,7 @@ def run_segment(
             working_folder_kept(),
             progress_reporter(quiet=quiet) as show,
             naming_slow_calls(partial(_report_slow_call, quiet=quiet), after=PATIENCE),
+            limiting_calls(term_timeout),
         ):
             try:
                 if problem_flags.parts is not None:

@@ -19,7 +19,7 @@ import numpy as np
 
 from moseg_core.components.at_work import at_work
 from moseg_core.components.detail import Detail
-from moseg_core.components.faults import describe, is_fault, shown
+from moseg_core.components.faults import describe, is_fault, place, shown
 from moseg_core.components.labellings import Labellings
 from moseg_core.components.part_array import PartArray
 from moseg_core.components.profile import timed
@@ -29,6 +29,7 @@ from moseg_core.components.segmentation import Segmentation
 from moseg_core.components.side_effects import without_side_effects
 from moseg_core.errors import REPORT, PluginError, UsageError
 from moseg_core.problem.binding import BoundTerm
+from moseg_core.problem.call_limit import CallTimeoutError, limited, told_late
 from moseg_core.problem.slow_calls import under_watch
 from moseg_core.types import BoolArray, FloatArray, IntArray
 
@@ -173,7 +174,8 @@ def _answered(
     assert term.vectorized is not None  # callers have looked
     try:
         profiled = timed("term", term.written, term.distribution, calls=len(rows))
-        with at_work(doing), under_watch(doing), profiled, without_side_effects(who):
+        watched = under_watch(doing)
+        with at_work(doing), watched, profiled, without_side_effects(who), limited(doing):
             returned = term.vectorized(array, **term.parameters)
     except UsageError as error:
         raise UsageError(f"in {where}: {error}") from error
@@ -181,6 +183,8 @@ def _answered(
         raise LackError(f"in {where}: {error}") from error
     except PluginError as error:
         raise PluginError(f"in {where}: {error}") from error
+    except CallTimeoutError as error:
+        raise PluginError(f"{who} {told_late(error, where, place(error))}") from error
     except BaseException as error:
         if not is_fault(error):
             raise
@@ -227,7 +231,8 @@ def _computed(
     doing = f"{who} in {where}"
     try:
         profiled = timed("term", term.written, term.distribution)
-        with at_work(doing), under_watch(doing), profiled, without_side_effects(who):
+        watched = under_watch(doing)
+        with at_work(doing), watched, profiled, without_side_effects(who), limited(doing):
             returned = term.objective(subject, **term.parameters)
     except UsageError as error:  # it says what is wrong with its parameters
         raise UsageError(f"in {where}: {error}") from error
@@ -235,6 +240,8 @@ def _computed(
         raise LackError(f"in {where}: {error}") from error
     except PluginError as error:  # it names another component, such as a measure
         raise PluginError(f"in {where}: {error}") from error
+    except CallTimeoutError as error:
+        raise PluginError(f"{who} {told_late(error, where, place(error))}") from error
     except BaseException as error:
         if not is_fault(error):
             raise

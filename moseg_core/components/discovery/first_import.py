@@ -70,12 +70,13 @@ def verdicts(claims: Sequence[Claim], *, timeout: float = TIMEOUT) -> list[Verdi
     if not claims or not can_try():
         return [Verdict()] * len(claims)
     names = [identity(claim) for claim in claims]
-    known = read_known()
-    new = [claim for claim, name in zip(claims, names, strict=True) if name not in known]
+    known = read_known(names)
+    new = {name: claim for name, claim in zip(names, claims, strict=True) if name not in known}
     if new:
-        found = try_bundles(new, timeout=timeout)
-        known |= {identity(claim): verdict for claim, verdict in zip(new, found, strict=True)}
-        remember(known)
+        tried = try_bundles(list(new.values()), timeout=timeout)
+        found = dict(zip(new, tried, strict=True))
+        remember(found)
+        known |= found
     return [known[name] for name in names]
 
 
@@ -123,7 +124,7 @@ def _tried(claims: Sequence[Claim], timeout: float) -> dict[int, Verdict]:
         child = _Child(claims, output, timeout)
         try:
             for event in child.events():
-                if event["pid"] != child.pid:
+                if event["event"] == "copied":
                     return {**found, event["index"]: _blamed(claims, event, "copies the process")}
                 running = event["index"] if event["event"] == "begin" else None
                 if running is None:
@@ -176,7 +177,6 @@ class _Child:
             start_new_session=True,  # Ctrl-C is for this process, and what it started ends with it
         )
         os.close(theirs)
-        self.pid = self._process.pid
 
     def events(self) -> Iterator[dict[str, Any]]:
         """What the child reports, until it ends or is silent for too long."""
@@ -215,7 +215,7 @@ class _Child:
     def kill(self) -> None:
         """End it, and whatever it has started."""
         with suppress(ProcessLookupError, PermissionError):
-            os.killpg(self.pid, signal.SIGKILL)
+            os.killpg(self._process.pid, signal.SIGKILL)
         self._process.wait()
         os.close(self._pipe)
 

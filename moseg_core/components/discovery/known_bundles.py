@@ -16,7 +16,7 @@ from __future__ import annotations
 import json
 import os
 import sys
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field
 from importlib.util import find_spec
 from typing import Any
@@ -122,20 +122,26 @@ def record_folders() -> Iterator[str]:
         yield os.path.join(cache if os.path.isabs(cache) else f"{home}/.cache", "moseg")
 
 
-def read_known() -> dict[str, Verdict]:
-    """What is remembered and still holds, by the identity of the bundle.
+def read_known(names: Collection[str]) -> dict[str, Verdict]:
+    """What is remembered of bundles and still holds, by their identity.
 
     A record that is not there, or not as it should be, remembers nothing.
     """
     known: dict[str, Verdict] = {}
+    for record in _records():
+        left = [name for name in names if name in record and name not in known]
+        known |= {name: record[name] for name in left if record[name].holds()}
+    return known
+
+
+def _records() -> Iterator[dict[str, Verdict]]:
+    """The records that there are."""
     for folder in record_folders():
         try:
             with open(os.path.join(folder, _FILE), encoding="utf-8") as file:
-                found = dict(_verdicts_of(json.load(file)))
+                yield dict(_verdicts_of(json.load(file)))
         except (OSError, ValueError, TypeError, KeyError, AttributeError, RecursionError):
             continue
-        known |= {name: found[name] for name in found if name not in known and found[name].holds()}
-    return known
 
 
 def _verdicts_of(document: Any) -> Iterator[tuple[str, Verdict]]:
@@ -148,8 +154,12 @@ def _verdicts_of(document: Any) -> Iterator[tuple[str, Verdict]]:
 
 
 def remember(verdicts: Mapping[str, Verdict]) -> None:
-    """Keep verdicts in the first folder that can be written to; nowhere where none can."""
-    kept = dict(list(verdicts.items())[-_MOST:])
+    """Keep verdicts, beside others that still hold, in the first folder that can be written to.
+
+    Where none can, nothing is kept.
+    """
+    others = [(name, kept) for record in _records() for name, kept in record.items()]
+    kept = {name: verdict for name, verdict in others[-_MOST:] if verdict.holds()} | {**verdicts}
     document = {"form": _FORM, "bundles": {name: asdict(kept[name]) for name in kept}}
     for folder in record_folders():
         passing = os.path.join(folder, f"{_FILE}.{os.getpid()}")

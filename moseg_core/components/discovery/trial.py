@@ -4,9 +4,10 @@ Started by :mod:`moseg_core.components.discovery.first_import` with the bundles 
 child does what the registry will do, imports its module and calls its hooks, and reports line by
 line as JSON through a pipe of its own, since what a bundle prints must not get in between::
 
-    {"pid": 4711, "event": "begin", "index": 0}
-    {"pid": 4711, "event": "end", "index": 0, "problem": "", "printed": "hello",
+    {"event": "begin", "index": 0}
+    {"event": "end", "index": 0, "problem": "", "printed": "hello",
      "files": ["/.../moseg_vessels/plugin.py"]}
+    {"event": "copied", "index": 0}
 
 A bundle that merely raises has no problem here: the registry will find the same, and say it in its
 own words. What it must not meet is what this module looks for: a bundle's own
@@ -53,8 +54,15 @@ def main(arguments: Sequence[str]) -> None:
     pipe = os.fdopen(descriptor, "w", encoding="utf-8")
 
     def write(**fields: Any) -> None:
-        print(json.dumps({"pid": os.getpid(), **fields}), file=pipe, flush=True)
+        print(json.dumps(fields), file=pipe, flush=True)
 
+    def leave() -> None:
+        """End a copy of this process, which a bundle has made, and tell of it."""
+        write(event="copied", index=index)
+        os._exit(SOUND)
+
+    os.register_at_fork(after_in_child=leave)
+    index = 0
     claims = {identity(claim): claim for claim in read_claims(installed_points())}
     loaded = set(sys.modules)
     for index, name in enumerate(wanted):

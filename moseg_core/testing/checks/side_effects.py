@@ -1,8 +1,8 @@
 """What every component leaves alone: the process that it runs in belongs to others.
 
 Working directory, signal handlers, threads and the rest of
-:mod:`moseg_core.components.process_state` are the program's. They are looked at around two runs of the
-component (:func:`moseg_core.testing.checks.repeats.side_effects`), and where its module and its
+:mod:`moseg_core.components.process_state` are the program's. They are looked at around two runs of
+the component (:func:`moseg_core.testing.checks.repeats.side_effects`), and where its module and its
 bundle's are first imported. What is put into a process by importing libraries, variables of the
 environment for one, is excused at import and in the first run.
 """

@@ -23,6 +23,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Self
 
+from moseg_core.components.crash_dump import crash_place
 from moseg_core.errors import PluginError, UsageError
 from moseg_core.testing.run import Outcome
 
@@ -201,7 +202,9 @@ class _Child:
                 yield json.loads(line)
         code = self._process.wait()
         if code < 0:
-            self.ending = f"died of {signal.Signals(-code).name}{self._last_words()}"
+            place = crash_place(self._printed())
+            words = f" {place}" if place.startswith("in ") else f" at {place}" if place else ""
+            self.ending = f"died of {signal.Signals(-code).name}{words or self._last_words()}"
         elif code > 0:
             self.ending = f"ended with exit code {code}{self._last_words()}"
 
