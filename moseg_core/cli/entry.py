@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import io
 import os
 import sys
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 
 from moseg_core.cli.collection import at_exit, importing
 from moseg_core.cli.overview import overview_of
@@ -56,12 +55,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
         prepare_streams()
         show_warnings(_tell)
         at_exit()
-        if isinstance(
-            sys.stdout, io.TextIOWrapper
-        ):  # escapes what it has no letters for, as stderr
-            sys.stdout.reconfigure(errors="backslashreplace")
     with _plugins_as_asked(list(sys.argv[1:] if arguments is None else arguments)) as rest:
-        code = _run(rest)
+        code = _run(rest, own=arguments is None)
     sys.exit(code)
 
 
@@ -90,8 +85,10 @@ def _tell(text: str) -> None:
     message(text)
 
 
-def _obey(arguments: Sequence[str]) -> None:
+def _obey(arguments: Sequence[str], *, own: bool) -> None:
     """Do what is asked; the parser, and what the command needs, are imported for it alone.
+
+    In a process of its own a component that crashes should not take the command along.
 
     Raises
     ------
@@ -113,11 +110,13 @@ def _obey(arguments: Sequence[str]) -> None:
         from moseg_core.cli.foreign import add_foreign_command
 
         add_foreign_command(arguments[0])
+    from moseg_core.components.at_work import crashes_apart
     from moseg_core.components.side_effects import own_program
 
+    tell = _quiet if "--quiet" in arguments else _tell_of_printing
     try:
         command, bound, _ = app.parse_args(arguments, exit_on_error=False, print_error=False)
-        with own_program(_quiet if "--quiet" in arguments else _tell_of_printing):
+        with own_program(tell), crashes_apart() if own else nullcontext():
             command(*bound.args, **bound.kwargs)
     except UnusedCliTokensError as error:
         raise UsageError(_left_over(arguments[0], error.unused_tokens or [])) from error
@@ -154,8 +153,8 @@ def _left_over(command: str, words: Sequence[str]) -> str:
     return f"'{command}' has no use for {more} (see 'moseg {command} --help')"
 
 
-def _run(arguments: list[str]) -> int:
-    code = _code_of(arguments)
+def _run(arguments: list[str], *, own: bool) -> int:
+    code = _code_of(arguments, own=own)
     try:
         sys.stdout.flush()
     except OSError as error:
@@ -167,10 +166,10 @@ def _run(arguments: list[str]) -> int:
     return code
 
 
-def _code_of(arguments: list[str]) -> int:
+def _code_of(arguments: list[str], *, own: bool) -> int:
     """Do what is asked; its exit code, what went wrong told."""
     try:
-        _obey(arguments)
+        _obey(arguments, own=own)
     except MosegError as error:
         print(f"moseg: {printable_message(str(error))}", file=sys.stderr)
         return error.exit_code

@@ -41,6 +41,8 @@ def prepare_streams() -> None:
         sys.stdin = os.fdopen(0, closefd=False)
     if sys.stdout is None:
         sys.stdout = os.fdopen(1, "w", closefd=False)
+    if isinstance(sys.stdout, io.TextIOWrapper):  # letters that it lacks are escaped, as on stderr
+        sys.stdout.reconfigure(errors="backslashreplace")
     encoding = "utf-8" if sys.stderr is None else sys.stderr.encoding
     sys.stderr = io.TextIOWrapper(
         io.BufferedWriter(_Heedless(2, "wb", closefd=False)),

@@ -12,7 +12,8 @@ by way of :func:`~moseg_core.components.faults.guarded`.
 
 from __future__ import annotations
 
-from contextlib import AbstractContextManager, nullcontext
+from collections.abc import Iterator
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from types import TracebackType
 from typing import Any
 
@@ -77,6 +78,28 @@ class _Call(AbstractContextManager[None]):
     ) -> None:
         _names.pop()
         _memory.value = _names[-1] if _names else b""
+
+
+_apart = False
+
+
+@contextmanager
+def crashes_apart() -> Iterator[None]:
+    """Within this context, what may crash is done in other processes even where one would do.
+
+    For programs of their own, which then live to say which component it was.
+    """
+    global _apart
+    before, _apart = _apart, True
+    try:
+        yield
+    finally:
+        _apart = before
+
+
+def is_apart() -> bool:
+    """Whether what may crash is to be done in other processes."""
+    return _apart
 
 
 def at_work(name: str) -> AbstractContextManager[None]:

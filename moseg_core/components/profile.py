@@ -99,6 +99,11 @@ class Profile:
 _profile: ContextVar[Profile | None] = ContextVar("moseg_profile", default=None)
 
 
+def is_profiling() -> bool:
+    """Whether somebody counts, which is done in one process."""
+    return _profile.get() is not None
+
+
 def timed(
     group: Group, name: str, source: str = "", *, calls: int = 1
 ) -> AbstractContextManager[None]:

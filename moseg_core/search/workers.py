@@ -28,8 +28,9 @@ from multiprocessing.connection import Connection, wait
 from types import TracebackType
 from typing import Any, Self
 
-from moseg_core.components.at_work import SIZE, note_in, noted
+from moseg_core.components.at_work import SIZE, is_apart, note_in, noted
 from moseg_core.components.faults import FAULTS
+from moseg_core.components.profile import is_profiling
 from moseg_core.components.protocols import Progress, Report
 from moseg_core.errors import MosegError, PluginError
 from moseg_core.problem.slow_calls import rest
@@ -45,6 +46,11 @@ Enough = Callable[[int, Any], bool]
 def available_workers() -> int:
     """Processors that this process may use, where the system tells; all of them elsewhere."""
     return available_processors()
+
+
+def can_fork() -> bool:
+    """Whether processes can be copied here."""
+    return "fork" in multiprocessing.get_all_start_methods()
 
 
 #: Seconds that a process has to end after it was told to.
@@ -81,7 +87,7 @@ class Workers:
 
     def __init__(self, tasks: Mapping[str, Task], count: int, report: Report) -> None:
         self._tasks, self._report = tasks, report
-        self._count = count if "fork" in multiprocessing.get_all_start_methods() else 1
+        self._count = count if can_fork() else 1
         self._workers: list[_Worker] = []
         self._stopped = False
         self._flag: Any = None
@@ -126,8 +132,9 @@ class Workers:
         MosegError
             A process died. Whatever a task raises is raised here.
         """
-        count = min(self._count, len(arguments))
-        if count < 2:
+        # A single task goes to another process too where that may be lost, and this one may not.
+        least = 1 if is_apart() and not is_profiling() and can_fork() else 2
+        if min(self._count, len(arguments)) < least:
             return self._alone(name, arguments, enough)
         self._fork()
         self._flag.value = 0
