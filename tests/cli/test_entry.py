@@ -94,3 +94,22 @@ def test_words_that_are_left_over(moseg):
     assert 'for f in *.ply; do moseg explain "$f" ... ; done' in run.err
     run = moseg("recipes", "a", "b")
     assert run.err == "moseg: 'recipes' has no use for 'b' (see 'moseg recipes --help')\n"
+
+
+def test_without_plugins_only_the_core_is_there(moseg, monkeypatch):
+    seen = []
+
+    def look(*arguments, **options):
+        seen.append(os.environ.get("MOSEG_NO_PLUGINS"))
+
+    monkeypatch.delenv("MOSEG_NO_PLUGINS", raising=False)
+    monkeypatch.setattr("moseg_core.cli.recipes.run_recipes", look)
+    for words in (("--no-plugins", "recipes"), ("recipes", "--no-plugins"), ("recipes",)):
+        assert moseg(*words).code == 0
+    assert seen == ["1", "1", None]
+
+
+def test_what_comes_after_two_dashes_is_no_option(moseg):
+    run = moseg("recipes", "--", "--no-plugins")
+    assert run.code == 2
+    assert "--no-plugins" in run.err

@@ -11,8 +11,9 @@ from pathlib import Path
 
 import pytest
 
-from moseg_core.components.at_work import at_work
+from moseg_core.components.at_work import at_work, crashes_apart
 from moseg_core.components.cost import Cost
+from moseg_core.components.profile import profiling
 from moseg_core.components.protocols import Progress, never_stop
 from moseg_core.errors import ExpressionError, MosegError, PluginError, UsageError
 from moseg_core.search.workers import Workers, available_workers, bettered
@@ -196,6 +197,16 @@ def test_the_progress_of_one_task_has_the_best_of_all():
     assert bettered(other, first).best == other.best
     elsewhere = Progress(stage="polish", done=3, best=Cost(0, 0.1))
     assert bettered(first, elsewhere) is first
+
+
+def test_a_single_task_is_done_elsewhere_where_this_process_may_not_be_lost():
+    tasks = {"where": lambda report: os.getpid(), "die": lambda report: os.abort()}
+    with crashes_apart(), Workers(tasks, 1, never_stop) as workers:
+        assert workers.map("where", [()]) != [os.getpid()]
+        with pytest.raises(MosegError, match="signal 6"):
+            workers.map("die", [()])
+    with crashes_apart(), profiling(), Workers(tasks, 1, never_stop) as workers:
+        assert workers.map("where", [()]) == [os.getpid()]
 
 
 def test_numbers_of_workers():

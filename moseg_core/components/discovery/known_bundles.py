@@ -59,7 +59,8 @@ class Verdict:
 
 def identity(claim: Claim) -> str:
     """What tells one installed bundle from another, for one Python and core."""
-    place = "" if claim.point.dist is None else str(claim.point.dist.locate_file(""))
+    dist = claim.point.dist
+    place = "" if dist is None else os.path.abspath(str(dist.locate_file("")))
     return (
         f"{claim.point.name} = {claim.point.value} of {claim.distribution} {claim.version}"
         f" in {place} by moseg-core {VERSION}, Python {sys.version.partition(' ')[0]}"

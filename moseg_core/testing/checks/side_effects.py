@@ -57,7 +57,7 @@ def _working_directory_untouched(subject: Subject) -> None:
 
 @check("signals-untouched", kinds=DRIVEN)
 def _signals_untouched(subject: Subject) -> None:
-    """Ctrl-C keeps the best found so far, and only as long as nobody else takes the signal."""
+    """The best found so far is kept at Ctrl-C as long as nobody else takes the signal."""
     _expect_untouched(
         subject,
         ["the handlers of signals"],

@@ -262,6 +262,16 @@ def test_an_interruption_is_not_taken_for_a_failure(site):
 # --- strictness
 
 
+def test_without_plugins_there_is_the_core(good, no_registry_yet, monkeypatch):
+    monkeypatch.setenv("MOSEG_NO_PLUGINS", "1")
+    monkeypatch.setenv("MOSEG_PLUGINS", "good")
+    assert [bundle.name for bundle in registry().bundles] == ["core"]
+    registry.cache_clear()
+    monkeypatch.setenv("MOSEG_NO_PLUGINS", "yes")
+    with pytest.raises(UsageError, match="MOSEG_NO_PLUGINS must be 1 or 0, not 'yes'"):
+        registry()
+
+
 def test_strictly_what_is_set_aside_is_an_error(good, no_registry_yet, monkeypatch):
     monkeypatch.setenv("MOSEG_STRICT", "1")
     assert registry().find("objective", "good:slim")

@@ -24,11 +24,18 @@ BROKEN = {
         id: MeasureSpec(name="broken", target=f"tests.testing.broken.side_effects:{name}")
         for id, name in _NAMES.items()
     },
-    "imports-quietly": MeasureSpec(name="broken", target="tests.testing.broken.heavy:spread"),
+    "imports-quietly": MeasureSpec(
+        name="broken", target="tests.testing.broken.side_effects:is_announced"
+    ),
 }
 
 BUNDLES = {"imports-quietly": "tests.testing.talkative"}
 """Modules of bundles that are not quiet themselves."""
+
+
+def is_announced(part):
+    """Its bundle greets everybody who asks what is installed."""
+    return part.area
 
 
 def goes_elsewhere(part):
