@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import json
 import math
+import os
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -79,6 +80,28 @@ def print_line(text: str = "") -> None:
 def print_text(text: str) -> None:
     """Write a document that may be meant for a file: as it is, but for a terminal safe."""
     sys.stdout.write(lines_of(text.expandtabs()).plain if sys.stdout.isatty() else text)
+
+
+@contextmanager
+def others_on_stderr() -> Iterator[None]:
+    """While this lasts, what is written on standard output below Python goes to standard error.
+
+    Libraries in other languages print there, and programs that components start; a command that
+    prints nothing itself meanwhile keeps its output free of that.
+    """
+    if sys.stdout is not None:
+        sys.stdout.flush()
+    try:
+        kept = os.dup(1)
+        os.dup2(2, 1)
+    except OSError:  # one of the two is closed
+        yield
+        return
+    try:
+        yield
+    finally:
+        os.dup2(kept, 1)
+        os.close(kept)
 
 
 def print_json(document: Any) -> None:

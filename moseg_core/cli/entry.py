@@ -57,7 +57,22 @@ def main(arguments: Sequence[str] | None = None) -> None:
         at_exit()
     with _plugins_as_asked(list(sys.argv[1:] if arguments is None else arguments)) as rest:
         code = _run(rest, own=arguments is None)
+    if arguments is None:
+        _leave_threads(code)
     sys.exit(code)
+
+
+def _leave_threads(code: int) -> None:
+    """End the process where threads of components would keep it for as long as they like."""
+    threading = sys.modules.get("threading")
+    if threading is None:
+        return
+    ours = threading.main_thread()
+    left = [t.name for t in threading.enumerate() if t is not ours and not t.daemon]
+    if left:
+        print(f"moseg: warning: threads of components go on: {', '.join(left)}", file=sys.stderr)
+        sys.stderr.flush()
+        os._exit(code)
 
 
 @contextmanager

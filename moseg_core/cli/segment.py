@@ -14,7 +14,14 @@ from typing import Any
 import numpy as np
 from rich.table import Table
 
-from moseg_core.cli.console import console, message, print_json, print_terms, progress_reporter
+from moseg_core.cli.console import (
+    console,
+    message,
+    others_on_stderr,
+    print_json,
+    print_terms,
+    progress_reporter,
+)
 from moseg_core.cli.flags import (
     PartFlags,
     SearchedProblemFlags,
@@ -141,6 +148,7 @@ def run_segment(
             progress_reporter(quiet=quiet) as show,
             naming_slow_calls(partial(_report_slow_call, quiet=quiet), after=PATIENCE),
             limiting_calls(term_timeout),
+            others_on_stderr(),
         ):
             try:
                 if problem_flags.parts is not None:

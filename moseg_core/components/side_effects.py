@@ -138,8 +138,19 @@ class _Program(io.TextIOBase):
         """Whether anything can be written here."""
         return True
 
-    def write(self, text: str) -> int:
+    def fileno(self) -> int:
+        """That of standard error, for programs that a component starts."""
+        return 2
+
+    @property
+    def buffer(self) -> _Program:
+        """Where bytes are written: here."""
+        return self
+
+    def write(self, text: str | bytes) -> int:
         """Tell of the first that a component prints; the rest goes nowhere."""
+        if not isinstance(text, str):
+            return self.write(bytes(text).decode(errors="replace"))
         who = self.calls[-1][0] if self.calls else ""
         if text.strip() and who not in self._told:
             self._told.add(who)

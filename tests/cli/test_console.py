@@ -22,6 +22,7 @@ from moseg_core.cli.console import (
     console,
     disagreement_lines,
     message,
+    others_on_stderr,
     progress_lines,
     progress_reporter,
     terms_table,
@@ -275,3 +276,11 @@ def test_quiet_means_no_lines_either(capsys, monkeypatch):
     with progress_reporter(quiet=False) as report:
         report(Progress(stage="search", done=1))
     assert capsys.readouterr().err.startswith("moseg: search 1 (")
+
+
+def test_what_is_written_below_python_keeps_out_of_the_output(capfd):
+    print("before")
+    with others_on_stderr():
+        os.write(1, b"a library speaks\n")
+    print("after")
+    assert capfd.readouterr() == ("before\nafter\n", "a library speaks\n")

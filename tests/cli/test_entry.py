@@ -113,3 +113,21 @@ def test_what_comes_after_two_dashes_is_no_option(moseg):
     run = moseg("recipes", "--", "--no-plugins")
     assert run.code == 2
     assert "--no-plugins" in run.err
+
+
+LEFT = """
+import sys, threading
+from moseg_core.cli import recipes
+from moseg_core.cli import main
+recipes.run_recipes = lambda *given, **more: threading.Thread(
+    target=threading.Event().wait, name="helper"
+).start()
+sys.argv = ["moseg", "recipes"]
+main()
+"""
+
+
+def test_threads_that_components_leave_do_not_keep_the_process():
+    done = subprocess.run([sys.executable, "-c", LEFT], capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0
+    assert done.stderr == "moseg: warning: threads of components go on: helper\n"
