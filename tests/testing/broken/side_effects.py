@@ -57,8 +57,13 @@ def _in_main_thread():
 def leaves_a_thread(part):
     """It starts a helper once, and keeps it."""
     if not any(thread.name == "left" for thread in threading.enumerate()):
-        threading.Thread(target=threading.Event().wait, name="left", daemon=True).start()
+        OVER.clear()
+        threading.Thread(target=OVER.wait, name="left", daemon=True).start()
     return part.area
+
+
+OVER = threading.Event()
+"""Ends that thread, for the sake of other tests."""
 
 
 def sets_a_variable(part):

@@ -3,12 +3,22 @@
 from __future__ import annotations
 
 import sys
+import threading
 
 import pytest
 
 from moseg_core.components.discovery.specs import MeasureSpec
-from tests.testing.broken.side_effects import BROKEN, BUNDLES
+from tests.testing.broken.side_effects import BROKEN, BUNDLES, OVER
 from tests.testing.outcomes import HOME, assert_fails_only, failures
+
+
+@pytest.fixture(autouse=True)
+def no_threads_left():
+    yield
+    OVER.set()
+    for thread in threading.enumerate():
+        if thread.name == "left":
+            thread.join()
 
 
 @pytest.mark.parametrize("id", BROKEN)
