@@ -19,9 +19,11 @@ and a component that ends the process by ``os._exit`` fails instead.
 from __future__ import annotations
 
 import io
+import mmap
 import os
 import sys
 import threading
+import zlib
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from types import TracebackType
@@ -126,13 +128,17 @@ class EndedProcessError(SystemExit):
     """A component has called ``os._exit``."""
 
 
+_DIGESTS = 1 << 16
+
+
 class _Program(io.TextIOBase):
     """Standard output as components see it."""
 
     def __init__(self, tell: Tell) -> None:
         self.calls: list[tuple[str, int]] = []
         self._tell = tell
-        self._told: set[str] = set()
+        #: Whether a component was told of, by a digest of its name; copies of this process share it.
+        self._told = mmap.mmap(-1, _DIGESTS)
 
     def writable(self) -> bool:
         """Whether anything can be written here."""
@@ -152,8 +158,9 @@ class _Program(io.TextIOBase):
         if not isinstance(text, str):
             return self.write(bytes(text).decode(errors="replace"))
         who = self.calls[-1][0] if self.calls else ""
-        if text.strip() and who not in self._told:
-            self._told.add(who)
+        digest = zlib.crc32(who.encode(errors="replace")) % _DIGESTS
+        if text.strip() and not self._told[digest]:
+            self._told[digest] = 1
             self._tell(who, text)
         return len(text)
 
