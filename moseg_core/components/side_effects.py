@@ -137,7 +137,7 @@ class _Program(io.TextIOBase):
     def __init__(self, tell: Tell) -> None:
         self.calls: list[tuple[str, int]] = []
         self._tell = tell
-        #: Whether a component was told of, by a digest of its name; copies of this process share it.
+        #: Whether a component was told of, by a digest of its name; copied processes share it.
         self._told = mmap.mmap(-1, _DIGESTS)
 
     def writable(self) -> bool:
