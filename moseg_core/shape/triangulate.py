@@ -2,14 +2,20 @@
 
 Triangles pass through. A quad is cut along the diagonal whose two halves agree in direction, so
 that a concave or bent one does not fold over itself. Larger polygons are clipped ear by ear in
-the plane of their Newell normal.
+the plane of their Newell normal (:mod:`moseg_core.shape.ears`).
 """
 
 from __future__ import annotations
 
 import numpy as np
 
+from moseg_core.errors import ShapeError
+from moseg_core.shape.ears import cut_polygons
 from moseg_core.types import FloatArray, IntArray
+
+# A polygon with holes names the ends of each bridge to one twice, and no more than that. Large
+# ones that name vertices far more often are looked for: to cut them would take long.
+_LARGE, _LEAST_SHARE = 256, 0.25
 
 
 def triangulate_polygons(
@@ -30,6 +36,11 @@ def triangulate_polygons(
         k - 2 triangles for a polygon of k corners, with its orientation.
     polygon : (T,) int
         The polygon of each triangle, ascending.
+
+    Raises
+    ------
+    ShapeError
+        A polygon has hundreds of corners and crosses itself or folds all over.
 
     Examples
     --------
@@ -55,10 +66,37 @@ def triangulate_polygons(
         halves = _split_quads(vertices, quads)
         triangles[first[four]], triangles[first[four] + 1] = halves[:, 0], halves[:, 1]
 
-    for f in np.flatnonzero(sizes > 4):
-        ring = corners[offsets[f] : offsets[f + 1]]
-        triangles[first[f] : first[f + 1]] = ring[clip_ears(vertices[ring])]
+    more = np.flatnonzero(sizes > 4)
+    if len(more):
+        _cut(vertices, corners, offsets, more, first, triangles)
     return triangles, polygon
+
+
+def _cut(
+    vertices: FloatArray,
+    corners: IntArray,
+    offsets: IntArray,
+    chosen: IntArray,
+    starts: IntArray,
+    triangles: IntArray,
+) -> None:
+    """Cut polygons of more than four corners, or refuse one that takes too long."""
+    for f in chosen[np.diff(offsets)[chosen] > _LARGE]:
+        ring = corners[offsets[f] : offsets[f + 1]]
+        named = len(np.unique(ring))
+        if named < _LEAST_SHARE * len(ring):
+            raise ShapeError(
+                f"face {f} has {len(ring)} corners, but names no more than {named} vertices, again"
+                " and again; repair it before you export the shape"
+            )
+    failed = cut_polygons(
+        np.ascontiguousarray(vertices), corners, offsets, chosen, starts, triangles
+    )
+    if failed >= 0:
+        raise ShapeError(
+            f"face {failed}, of {offsets[failed + 1] - offsets[failed]} corners, crosses itself or"
+            " folds too often to be cut into triangles; triangulate it before you export the shape"
+        )
 
 
 def _split_quads(vertices: FloatArray, quads: IntArray) -> IntArray:
@@ -79,54 +117,14 @@ def clip_ears(points: FloatArray) -> IntArray:
 
     Where no ear is left (the polygon crosses itself) the sharpest remaining corner is cut, so
     that the number of triangles is always k - 2.
+
+    Raises
+    ------
+    ShapeError
+        It would take too long (:data:`moseg_core.shape.ears.LOOKS`).
     """
-    points = points - points[0]  # far from the origin the sums below would drown in rounding
-    following = np.roll(points, -1, axis=0)
-    normal = np.cross(points, following).sum(axis=0)
-    drop = int(np.argmax(np.abs(normal)))
-    plane = np.delete(points, drop, axis=1)
-    # The projection keeps the polygon counter-clockwise when seen along the dropped axis.
-    if (normal[drop] < 0) != (drop == 1):
-        plane = plane[:, ::-1]
-    ring = list(range(len(points)))
-    before, after = np.roll(plane, 1, axis=0), np.roll(plane, -1, axis=0)
-    u, v = plane - before, after - plane
-    if (u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0] > 0).all() and _winds_once(plane):
-        return np.array([[0, k, k + 1] for k in range(1, len(ring) - 1)], np.int64)
-    triangles: list[list[int]] = []
-    left = np.array(ring)
-    while len(left) > 3:
-        a, b, c = plane[np.roll(left, 1)], plane[left], plane[np.roll(left, -1)]
-        turns = _turns(a, b, c)
-        ear = next(
-            (i for i in np.flatnonzero(turns > 0) if not _holds_corner(plane[left], int(i))),
-            int(np.argmax(turns)),
-        )
-        triangles.append([left[ear - 1], left[ear], left[(ear + 1) % len(left)]])
-        left = np.delete(left, ear)
-    triangles.append(left.tolist())
-    return np.array(triangles, np.int64)
-
-
-def _winds_once(plane: FloatArray) -> bool:
-    """Whether a polygon that only turns left is convex, and not a star that goes round twice."""
-    steps = np.roll(plane, -1, axis=0) - plane
-    angles = np.arctan2(steps[:, 1], steps[:, 0])
-    turns = np.mod(np.roll(angles, -1) - angles, 2 * np.pi)
-    return bool(turns.sum() < 3 * np.pi)
-
-
-def _turns(a: FloatArray, b: FloatArray, c: FloatArray) -> FloatArray:
-    """Twice the signed areas of triangles in the plane, corner by corner."""
-    u, v = b - a, c - a
-    turns: FloatArray = u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0]
-    return turns
-
-
-def _holds_corner(ring: FloatArray, i: int) -> bool:
-    """Whether another corner of a ring lies in or on the triangle at its corner `i`."""
-    a, b, c = ring[i - 1], ring[i], ring[(i + 1) % len(ring)]
-    inside = (_turns(a, b, ring) >= 0) & (_turns(b, c, ring) >= 0) & (_turns(c, a, ring) >= 0)
-    for corner in (a, b, c):  # the triangle's own corners, and others in the same places
-        inside &= (ring != corner).any(axis=1)
-    return bool(inside.any())
+    count = len(points)
+    triangles = np.empty((count - 2, 3), np.int64)
+    whole = np.array([0, count])
+    _cut(points, np.arange(count), whole, np.zeros(1, np.int64), whole, triangles)
+    return triangles

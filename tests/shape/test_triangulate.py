@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from moseg_core.errors import ShapeError
 from moseg_core.shape.mesh import PolygonMesh
 from tests import shapes
 
@@ -163,3 +164,14 @@ def test_polygons_of_all_sizes_in_one_mesh_keep_their_order_and_area():
         own = pieces[found.triangle_polygon == f]
         assert len(own) == len(face) - 2
         assert own.sum(axis=0) == pytest.approx(vector_area(found.vertices[list(face)]), abs=1e-12)
+
+
+def test_a_polygon_that_would_take_too_long_is_refused():
+    saw = [[k, 5.0 * (k % 2), 0.0] for k in range(30000)]
+    with pytest.raises(ShapeError, match="face 0, of 30002 corners, .* too often to be cut"):
+        cut([*saw, [30000.0, -1.0, 0.0], [-1.0, -1.0, 0.0]])
+
+
+def test_a_face_that_names_few_vertices_again_and_again_is_refused():
+    with pytest.raises(ShapeError, match=r"face 0 has 15000 corners, but names no more than 3"):
+        PolygonMesh.from_faces(np.eye(3), [[k % 3 for k in range(15000)]])
