@@ -78,6 +78,7 @@ from moseg_core.io import save as save
 from moseg_core.io import save_labels as save_labels
 from moseg_core.io import write_file as write_file
 from moseg_core.io.part_files import part_meshes as part_meshes
+from moseg_core.io.read.limits import ReadLimits as ReadLimits
 from moseg_core.io.reading import Reading as Reading
 from moseg_core.io.whole_file import check_destination as check_destination
 from moseg_core.io.write.names import safe_file_names as safe_file_names

@@ -100,6 +100,9 @@ class ShapeFlags:
         the axes of the array.
     up
         Which axis of the file points up; y in glTF files, else not known.
+    limit
+        How much a file may become: triangles_per_byte, cells_per_byte, cells, grid_cells or
+        columns, as in "cells=2e7" or "cells=none"; "none" lifts all limits. Repeatable.
     """
 
     adjacency: Literal["auto", "knn", "none"] = "auto"
@@ -110,6 +113,7 @@ class ShapeFlags:
     up: Annotated[
         Literal["x", "-x", "y", "-y", "z", "-z"] | None, Parameter(allow_leading_hyphen=True)
     ] = None
+    limit: Repeated = None
 
 
 @Parameter(name="*", group=_SEARCHED)

@@ -13,6 +13,7 @@ from moseg_core.cli.flags import ShapeFlags
 from moseg_core.cli.waiting import waiting
 from moseg_core.errors import UsageError, unknown
 from moseg_core.io import Labelling
+from moseg_core.io.read.limits import ReadLimits
 from moseg_core.io.reading import Reading
 from moseg_core.shape.shape import Shape
 from moseg_core.types import IntArray
@@ -71,7 +72,7 @@ def read_shape(path: Path, flags: ShapeFlags, *, quiet: bool = False) -> Shape:
         The file cannot be read, or its volume not be estimated; a pitch is given for what is no
         voxel grid.
     UsageError
-        A pitch that is not understood.
+        A pitch or a limit that is not understood.
     """
     with waiting(f"reading {path.name}", quiet=quiet):
         return reading_of(flags).read(path)
@@ -83,11 +84,13 @@ def reading_of(flags: ShapeFlags) -> Reading:
     Raises
     ------
     UsageError
-        A pitch that is not understood.
+        A pitch or a limit that is not understood.
     """
     given: Any = {field.name: getattr(flags, field.name) for field in fields(flags)}
     pitch = None if flags.pitch is None else tuple(read_pitch(flags.pitch))
-    return Reading(**{**given, "pitch": pitch})
+    limit = tuple(flags.limit or ())
+    ReadLimits.read(limit)  # refused now, and not file by file
+    return Reading(**{**given, "pitch": pitch, "limit": limit})
 
 
 def matched_labels(labelling: Labelling, names: tuple[str, ...], path: Path) -> IntArray:

@@ -21,6 +21,7 @@ from moseg_core.components.parameters import takes
 from moseg_core.errors import REPORT, MosegError, PluginError, ShapeError, UsageError, nearest
 from moseg_core.io.byte_names import readable
 from moseg_core.io.part_files import PartForm, check_part_files, is_for_parts, part_files
+from moseg_core.io.read.limits import LIMITS, ReadLimits
 from moseg_core.io.whole_file import check_destination, told_of, write_file
 from moseg_core.io.write.part_meshes import PART_SUFFIXES
 from moseg_core.regular_file import refuse_irregular
@@ -34,7 +35,12 @@ HULL_VERTICES = "hull_vertices"
 """The keyword by which a writer of hulls is told how many vertices these may have."""
 
 
-def load(path: str | os.PathLike[str], *, source: Registry | None = None) -> Shape:
+def load(
+    path: str | os.PathLike[str],
+    *,
+    limits: ReadLimits = LIMITS,
+    source: Registry | None = None,
+) -> Shape:
     """Read a shape; one surface element per polygon, point or cell, in file order.
 
     Parameters
@@ -42,6 +48,8 @@ def load(path: str | os.PathLike[str], *, source: Registry | None = None) -> Sha
     path : path-like
         A mesh (OFF, PLY, OBJ, STL, GLB, GLTF), a point cloud (PLY without faces, text, NPY) or a
         voxel grid (NPY, BINVOX), by suffix, or what installed bundles add.
+    limits : ReadLimits, optional
+        How much the file may become: triangles and cells in proportion to its bytes.
     source : Registry, optional
         Where to look for readers.
 
@@ -52,7 +60,7 @@ def load(path: str | os.PathLike[str], *, source: Registry | None = None) -> Sha
     Raises
     ------
     ShapeError
-        The file does not exist, is empty or malformed.
+        The file does not exist, is empty or malformed, or becomes more than the limits allow.
     UsageError
         No reader for the suffix.
 
@@ -71,10 +79,17 @@ def load(path: str | os.PathLike[str], *, source: Registry | None = None) -> Sha
     if path.is_dir():
         raise ShapeError(f"'{path}' is a folder; name a file in it")
     reader = component.load()
+    given: dict[str, Any] = {"limits": limits} if takes(reader, "limits") else {}
     try:
         refuse_irregular(path)  # a bundle's reader may open it as it likes
         with component.guard(f"failed on '{path}'"):
-            shape = reader(path)
+            try:
+                shape = reader(path, **given)
+            except MemoryError as error:
+                raise ShapeError(
+                    f"'{path}' ({path.stat().st_size} bytes) takes more memory than there is;"
+                    " simplify or resample the shape first"
+                ) from error
     except OSError as error:
         raise ShapeError(f"'{path}' cannot be read: {error.strerror or error}") from error
     if not isinstance(shape, Shape):

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from moseg_core.io.files import load
+from moseg_core.io.read.limits import ReadLimits
 from moseg_core.shape.mesh import PolygonMesh
 from moseg_core.shape.shape import Shape
 from moseg_core.shape.up import Up
@@ -35,6 +36,9 @@ class Reading:
         Three sides of the cells of a voxel grid whose file does not know them.
     up : str or None
         Which axis points up: "x", "-x", "y", "-y", "z" or "-z".
+    limit : tuple of str
+        How much a file may become: "cells=2e7", "cells=none" or "none", as
+        :meth:`moseg_core.ReadLimits.read` takes them.
 
     Examples
     --------
@@ -49,6 +53,7 @@ class Reading:
     voxels: str = "solid"
     pitch: tuple[float, ...] | None = None
     up: Up | None = None
+    limit: tuple[str, ...] = ()
 
     def read(self, path: str | Path) -> Shape:
         """The shape in a file.
@@ -61,7 +66,7 @@ class Reading:
         UsageError
             No reader for the suffix, or a value that makes no sense.
         """
-        shape = load(path)
+        shape = load(path, limits=ReadLimits.read(self.limit))
         if self.weld is not None and isinstance(shape.geometry, PolygonMesh):
             shape = shape.with_weld(self.weld)
         if self.voxels == "surface" and shape.solid:
@@ -84,10 +89,13 @@ class Reading:
         plain = {field.name: getattr(self, field.name) for field in fields(self)}
         if plain["pitch"] is not None:
             plain["pitch"] = list(plain["pitch"])
-        return {key: value for key, value in plain.items() if value != getattr(Reading(), key)}
+        changed = {key: value for key, value in plain.items() if value != getattr(Reading(), key)}
+        return changed | ({"limit": list(self.limit)} if self.limit else {})
 
     @classmethod
     def of(cls, document: dict[str, Any]) -> Reading:
         """Inverse of :meth:`document`."""
         pitch = document.get("pitch")
-        return cls(**{**document, "pitch": None if pitch is None else tuple(pitch)})
+        limit = tuple(document.get("limit", ()))
+        pitch = None if pitch is None else tuple(pitch)
+        return cls(**{**document, "pitch": pitch, "limit": limit})

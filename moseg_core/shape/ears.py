@@ -238,9 +238,7 @@ def _cut(plane: FloatArray, triangles: IntArray) -> bool:
                 continue
             if looks > LOOKS * count:
                 return False
-            held, looked = _held(
-                plane, i, before, after, left, side, frame, starts, sizes, items
-            )
+            held, looked = _held(plane, i, before, after, left, side, frame, starts, sizes, items)
             looks += looked
             if held < 0:
                 ear[i] = True

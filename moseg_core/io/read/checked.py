@@ -12,6 +12,7 @@ came, and hands on as the `notes` of the shape.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from dataclasses import replace
 from itertools import pairwise
@@ -26,6 +27,9 @@ from moseg_core.shape.geometry import FARTHEST
 from moseg_core.shape.mesh import PolygonMesh
 from moseg_core.shape.shape import Shape
 from moseg_core.types import FloatArray, IntArray
+
+_LONGEST_WORD = 60
+_LINE_ENDS = re.compile(r"\s*[\n\r\v\f\x1c-\x1e\x85\u2028\u2029]+\s*")
 
 
 def file_error(path: Path, what: str, *, line: int | None = None) -> ShapeError:
@@ -48,7 +52,29 @@ def file_error(path: Path, what: str, *, line: int | None = None) -> ShapeError:
     cup.off, line 7: 'x' is not a number
     """
     where = path.name if line is None else f"{path.name}, line {line}:"
-    return ShapeError(f"{where} {what}")
+    return ShapeError(f"{where} {_LINE_ENDS.sub(' ', what)}")
+
+
+def shown(text: str) -> str:
+    r"""A word of a file as a message shows it: as it is, or quoted and cut short where it is odd.
+
+    Examples
+    --------
+    >>> shown("KHR_draco"), shown("a\nb")
+    ('KHR_draco', "'a\\nb'")
+    """
+    return text if text.isprintable() and len(text) <= _LONGEST_WORD else quoted(text)
+
+
+def quoted(text: str) -> str:
+    """A word of a file as a message shows it: in quotes, and not too long.
+
+    Examples
+    --------
+    >>> quoted("a.bin"), len(quoted(1000 * "x"))
+    ("'a.bin'", 62)
+    """
+    return repr(text if len(text) <= _LONGEST_WORD else text[: _LONGEST_WORD - 3] + "...")
 
 
 def read_file(path: Path, *, most: int | None = None) -> bytes:

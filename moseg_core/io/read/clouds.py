@@ -17,10 +17,11 @@ from pathlib import Path
 import numpy as np
 
 from moseg_core.errors import ShapeError
-from moseg_core.io.read.checked import file_error, read_file, refuse_far
+from moseg_core.io.read.checked import file_error, quoted, read_file, refuse_far
+from moseg_core.io.read.limits import LIMITS, ReadLimits
 from moseg_core.io.read.point_columns import named_columns, passed_over, unnamed_columns
 from moseg_core.io.read.point_rows import MISSING, PointRows, read_rows
-from moseg_core.io.read.text_rows import floats, word
+from moseg_core.io.read.text_rows import end_notes, floats, word
 from moseg_core.shape.shape import Shape
 from moseg_core.types import FloatArray
 
@@ -86,18 +87,19 @@ def shape_from_table(path: Path, table: FloatArray, *, notes: Iterable[str] = ()
     return _shape(path, {name: table[:, k] for name, k in columns.items()}, [*notes, *said])
 
 
-def read_points(path: Path) -> Shape:
+def read_points(path: Path, *, limits: ReadLimits = LIMITS) -> Shape:
     r"""Read a text file of points: one element per row.
 
     Parameters
     ----------
     path : Path
+    limits : ReadLimits, optional
 
     Raises
     ------
     ShapeError
-        The file cannot be read, names no columns x, y, z, or a row is cut off or holds no numbers
-        where they should stand.
+        The file cannot be read, names no columns x, y, z or one of them twice, or a row is cut off
+        or holds no numbers where they should stand.
 
     Examples
     --------
@@ -108,15 +110,26 @@ def read_points(path: Path) -> Shape:
     ...     read_points(file).areas.tolist()
     [0.5, 0.5, 1.0]
     """
-    found = read_rows(path, read_file(path))
+    data = read_file(path)
+    found = read_rows(path, data)
     width = len(found.rows[0])
+    limits.refuse_columns(path, width)
     if found.names:
         columns = named_columns(found.names)
+        for k in columns.values():
+            name = found.names[k]
+            if found.names.count(name) > 1:
+                places = [str(i + 1) for i, other in enumerate(found.names) if other == name]
+                raise file_error(
+                    path,
+                    f"names several columns {quoted(name)}: {', '.join(places[:8])}; leave one of"
+                    " them, or give the others another name",
+                )
         for axis in "xyz":
             if axis not in columns:
                 raise file_error(
                     path,
-                    f"has no column '{axis}' among {', '.join(map(repr, found.names[:8]))};"
+                    f"has no column '{axis}' among {', '.join(map(quoted, found.names[:8]))};"
                     " name its columns x, y, z",
                 )
         if len({"nx", "ny", "nz"} & set(columns)) < 3:
@@ -130,7 +143,8 @@ def read_points(path: Path) -> Shape:
         )
     else:
         columns = unnamed_columns(width, lambda k: _numbers(path, found, k, needed=k < 3))
-    notes = [*found.notes, *passed_over(width, list(columns.values()), found.names)]
+    said = passed_over(width, list(columns.values()), found.names)
+    notes = [*found.notes, *said, *end_notes(data)]
     values = {name: _column(path, found, k) for name, k in columns.items()}
     return _shape(path, values, notes)
 

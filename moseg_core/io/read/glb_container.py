@@ -23,7 +23,7 @@ import numpy as np
 import numpy.typing as npt
 
 from moseg_core.errors import ShapeError
-from moseg_core.io.read.checked import file_error
+from moseg_core.io.read.checked import file_error, shown
 from moseg_core.io.read.gltf_buffers import read_buffer
 from moseg_core.types import FloatArray
 
@@ -38,6 +38,7 @@ _HARMLESS = (
     "KHR_animation_pointer", "KHR_lights_", "KHR_materials_", "KHR_mesh_quantization",
     "KHR_texture_", "KHR_xmp", "VRM",
 )  # fmt: skip
+_LARGEST_STRIDE = 252  # by the format; more is let pass where there are data for it
 _COMPRESSED = (
     "open it in a program that reads it, such as Blender, and export it without compression"
 )
@@ -57,13 +58,17 @@ class GlbFile:
         The binary chunk; empty where there is none.
     notes : tuple of str
         What was passed over.
+    length : int
+        Bytes of the file itself.
     """
 
     path: Path
     document: Json
     binary: bytes
     notes: tuple[str, ...] = ()
+    length: int = 0
     _buffers: dict[int, bytes] = field(default_factory=dict, repr=False)
+    _files: dict[Path, bytes] = field(default_factory=dict, repr=False)
 
     @classmethod
     def parse(cls, path: Path, data: bytes) -> GlbFile:
@@ -80,7 +85,7 @@ class GlbFile:
                 raise file_error(
                     path, "is not a GLB file (no 'glTF' at the beginning); export it as binary glTF"
                 )
-            return cls._checked(cls(path, _document(path, data), b""))
+            return cls._checked(cls(path, _document(path, data), b"", length=len(data)))
         if len(data) < 20:
             raise file_error(path, "ends within its header; it is cut off, export it again")
         version, length = _uint32(data, 4), _uint32(data, 8)
@@ -112,14 +117,21 @@ class GlbFile:
         if not chunks or chunks[0][0] != b"JSON":
             raise file_error(path, "does not begin with a JSON chunk; it is damaged")
         binary = chunks[1][1] if len(chunks) > 1 and chunks[1][0] == b"BIN\0" else b""
-        return cls._checked(cls(path, _document(path, chunks[0][1]), binary, notes))
+        return cls._checked(cls(path, _document(path, chunks[0][1]), binary, notes, len(data)))
+
+    @property
+    def size(self) -> int:
+        """Bytes of the file and of all others that were read so far."""
+        return self.length + sum(map(len, self._files.values()))
 
     @classmethod
     def _checked(cls, parsed: GlbFile) -> GlbFile:
         """The file, unless it says itself that moseg cannot read it."""
         version = parsed.mapping(parsed.document, "asset").get("version", "2.0")
         if not str(version).startswith("2"):
-            raise file_error(parsed.path, f"has glTF version {version}; export it as version 2")
+            raise file_error(
+                parsed.path, f"has glTF version {shown(str(version))}; export it as version 2"
+            )
         for extension in map(str, parsed.members(parsed.document, "extensionsRequired")):
             if not extension.startswith(_HARMLESS):
                 raise parsed.unreadable(extension)
@@ -130,7 +142,7 @@ class GlbFile:
         compressed = "draco" in extension or "meshopt" in extension
         what = "is compressed with" if compressed else "needs the extension"
         remedy = _COMPRESSED if compressed else "export it without"
-        return file_error(self.path, f"{what} {extension}; {remedy}")
+        return file_error(self.path, f"{what} {shown(extension)}; {remedy}")
 
     def damaged(self, what: str) -> ShapeError:
         """The error that the document is not glTF, with what is wrong in it."""
@@ -214,6 +226,8 @@ class GlbFile:
         view, stride = self._view(accessor["bufferView"])
         dtype = np.dtype(_COMPONENTS[component])
         packed = dtype.itemsize * width
+        if stride > max(len(view), _LARGEST_STRIDE):
+            raise self.damaged(f"{name} has items {stride:.6g} bytes apart")
         stride = stride or packed
         last = offset + stride * (count - 1) + packed if count else offset
         if stride < packed or last > len(view):
@@ -225,7 +239,11 @@ class GlbFile:
             return np.maximum(values.astype(np.float64) / np.iinfo(dtype).max, -1.0)
         return values
 
-    def _view(self, index: object) -> tuple[bytes, int]:
+    def count(self, index: object) -> int:
+        """How many items an accessor announces; its data are not looked at."""
+        return self.integer(self.item("accessors", index), "count")
+
+    def _view(self, index: object) -> tuple[memoryview, int]:
         """The bytes of a buffer view, and its stride (0 where its items are packed)."""
         view = self.item("bufferViews", index)
         for extension in self.mapping(view, "extensions"):
@@ -237,7 +255,7 @@ class GlbFile:
         end = start + self.integer(view, "byteLength")
         if end > len(held):
             raise self.damaged(f"bufferViews[{index}] reaches past the end of the data")
-        return held[start:end], self.integer(view, "byteStride", 0)
+        return memoryview(held)[start:end], self.integer(view, "byteStride", 0)
 
     def _buffer(self, number: int) -> bytes:
         """The bytes of a buffer, as many as the document says at most."""
@@ -245,7 +263,7 @@ class GlbFile:
             buffer = self.item("buffers", number)
             length = self.integer(buffer, "byteLength")
             if "uri" in buffer:
-                data = read_buffer(self.path, buffer["uri"], length)
+                data = read_buffer(self.path, buffer["uri"], length, self._files)
             elif number == 0:
                 data = self.binary[:length]
             else:

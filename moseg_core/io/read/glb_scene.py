@@ -31,26 +31,29 @@ import numpy as np
 from moseg_core.errors import ShapeError
 from moseg_core.io.read.checked import file_error, read_file, shape_from_polygons
 from moseg_core.io.read.glb_container import GlbFile, Json
+from moseg_core.io.read.glb_meshes import Mesh, PlacedMeshes, Primitive
+from moseg_core.io.read.limits import LIMITS, ReadLimits
 from moseg_core.shape.appearance import Appearance, CornerValues, material_runs
 from moseg_core.shape.shape import Shape
 from moseg_core.shape.up import Up
 from moseg_core.types import FloatArray, IntArray
 
-_TRIANGLES, _STRIP, _FAN = 4, 5, 6
-_NO_SURFACE = (0, 1, 2, 3)  # points and lines
-_COMPRESSED = "KHR_draco_mesh_compression"
 _INSTANCED = "EXT_mesh_gpu_instancing"
+
+_PLACING = {"matrix", "translation", "rotation", "scale"}
 
 UP = "moseg_up"
 """In the extras of a scene that moseg wrote: the axis of the shape that its nodes turn to +y."""
 
 
-def read_glb(path: Path) -> Shape:
+def read_glb(path: Path, *, limits: ReadLimits = LIMITS) -> Shape:
     """Read a glTF file, ``.glb`` or ``.gltf``: one element per triangle, in the scene's order.
 
     Parameters
     ----------
     path : Path
+    limits : ReadLimits, optional
+        How many triangles a scene may show that places its meshes again and again.
 
     Returns
     -------
@@ -62,7 +65,7 @@ def read_glb(path: Path) -> Shape:
     ------
     ShapeError
         The file cannot be read, is no whole glTF file, keeps its geometry compressed or outside
-        of its folder, or shows no triangles; says why.
+        of its folder, or shows no triangles or too many; says why.
 
     Examples
     --------
@@ -74,6 +77,21 @@ def read_glb(path: Path) -> Shape:
     12
     """
     glb = GlbFile.parse(path, read_file(path))
+    vertices, corners, appearance, notes = _shown(glb, limits)
+    shape = shape_from_polygons(
+        path,
+        vertices,
+        corners,
+        np.arange(0, len(corners) + 1, 3),
+        appearance=appearance,
+        notes=[*glb.notes, *notes],
+    )
+    return shape.with_up("y")
+
+
+def _shown(glb: GlbFile, limits: ReadLimits) -> tuple[FloatArray, IntArray, Appearance, list[str]]:
+    """What a scene shows: vertices (V, 3), corners of triangles (3 T,), their look, and notes."""
+    scene = PlacedMeshes(glb, limits)
     points: list[FloatArray] = [np.empty((0, 3))]
     corners: list[IntArray] = [np.empty((0, 3), np.int64)]
     n_points = 0
@@ -81,51 +99,51 @@ def read_glb(path: Path) -> Shape:
     materials: list[tuple[int, str]] = []
     n_triangles = 0
     found: Counter[tuple[str, str]] = Counter()
-    for node, mesh, placement in _placed_meshes(glb):
+    for node, number, placement in _placed_meshes(glb):
+        mesh = scene.mesh(number)
         found.update(_left_out(glb, node, mesh))
-        for primitive, vertices, triangles in _primitives(glb, mesh):
-            texture = _texture(glb, primitive, len(vertices))
-            if texture is None:
+        for primitive in mesh.primitives:
+            vertices, triangles = scene.placed(primitive)
+            if primitive.texture is None:
+                primitive.texture, primitive.damaged = _texture(glb, primitive)
+            if primitive.damaged:
                 found["lists of texture coordinates that are damaged", "passed over"] += 1
-                texture = np.full((len(vertices), 2), np.nan)
-            textures.append(texture)
-            materials.append((n_triangles, _material(glb, primitive)))
+            textures.append(primitive.texture)
+            materials.append((n_triangles, _material(glb, primitive.document)))
             n_triangles += len(triangles)
-            if np.linalg.det(placement[:3, :3]) < 0:
+            if _mirrors(placement):
                 triangles = triangles[:, [0, 2, 1]]
             points.append(_placed(vertices, placement))
             corners.append(triangles + n_points)
             n_points += len(vertices)
     flat = np.concatenate(corners).reshape(-1)
     names, polygon_materials = material_runs(materials, n_triangles)
-    shape = shape_from_polygons(
-        path,
-        np.concatenate(points),
-        flat,
-        np.arange(0, len(flat) + 1, 3),
-        appearance=Appearance(
-            texture=_corner_texture(textures, flat),
-            materials=names,
-            polygon_materials=polygon_materials,
-        ),
-        notes=[*glb.notes, *(f"{what}: {count}; {done}" for (what, done), count in found.items())],
+    appearance = Appearance(
+        texture=_corner_texture(textures, flat),
+        materials=names,
+        polygon_materials=polygon_materials,
     )
-    return shape.with_up("y")
+    notes = [f"{what}: {count}; {done}" for (what, done), count in found.items()]
+    return np.concatenate(points), flat, appearance, notes
 
 
-def _texture(glb: GlbFile, primitive: Json, n_vertices: int) -> FloatArray | None:
-    """(V, 2) texture coordinates with the second one up, NaN for none; None where damaged."""
-    attributes = glb.mapping(primitive, "attributes")
+def _texture(glb: GlbFile, primitive: Primitive) -> tuple[FloatArray, bool]:
+    """(V, 2) texture coordinates with the second one up, NaN for none; whether they are damaged."""
+    n_vertices = primitive.n_vertices
+    none = np.full((n_vertices, 2), np.nan)
+    attributes = glb.mapping(primitive.document, "attributes")
     if "TEXCOORD_0" not in attributes:
-        return np.full((n_vertices, 2), np.nan)
+        return none, False
     try:
+        if glb.count(attributes["TEXCOORD_0"]) != n_vertices:
+            return none, True
         given = glb.array(attributes["TEXCOORD_0"]).astype(np.float64)
     except ShapeError:  # no part hangs on them
-        return None
+        return none, True
     if given.shape != (n_vertices, 2) or not np.isfinite(given).all():
-        return None
+        return none, True
     # In glTF the second coordinate runs down from the upper edge.
-    return np.stack([given[:, 0], 1.0 - given[:, 1]], axis=1)
+    return np.stack([given[:, 0], 1.0 - given[:, 1]], axis=1), False
 
 
 def _corner_texture(textures: list[FloatArray], corners: IntArray) -> CornerValues | None:
@@ -183,16 +201,19 @@ def read_glb_pieces(path: Path) -> list[GlbPiece]:
         As for :func:`read_glb`.
     """
     glb = GlbFile.parse(path, read_file(path))
+    scene = PlacedMeshes(glb, LIMITS)
     pieces: list[GlbPiece] = []
-    for place, (node, mesh, _) in enumerate(_placed_meshes(glb)):
-        for primitive, _, triangles in _primitives(glb, mesh):
+    for place, (node, number, _) in enumerate(_placed_meshes(glb)):
+        mesh = scene.mesh(number)
+        for primitive in mesh.primitives:
+            _, triangles = scene.placed(primitive)
             material: Json = {}
-            if "material" in primitive:
-                material = glb.item("materials", primitive["material"])
+            if "material" in primitive.document:
+                material = glb.item("materials", primitive.document["material"])
             pieces.append(
                 GlbPiece(
                     node=_name(node),
-                    mesh=_name(mesh),
+                    mesh=_name(mesh.document),
                     material=_name(material),
                     place=place,
                     n_triangles=len(triangles),
@@ -232,8 +253,8 @@ def _name(item: Json) -> str | None:
     return name if isinstance(name, str) and name else None
 
 
-def _placed_meshes(glb: GlbFile) -> Iterator[tuple[Json, Json, FloatArray]]:
-    """Nodes with a mesh, their meshes and placements, (4, 4) to the scene, in scene order."""
+def _placed_meshes(glb: GlbFile) -> Iterator[tuple[Json, object, FloatArray]]:
+    """Nodes with a mesh, its number and their placements, (4, 4) to the scene, in scene order."""
     seen: set[object] = set()
     # A stack in place of recursion: chains of nodes may be longer than Python's own stack.
     stack: list[tuple[object, FloatArray]] = [(root, np.eye(4)) for root in reversed(_roots(glb))]
@@ -246,31 +267,34 @@ def _placed_meshes(glb: GlbFile) -> Iterator[tuple[Json, Json, FloatArray]]:
         if _INSTANCED in glb.mapping(node, "extensions"):
             raise file_error(glb.path, f"uses the extension {_INSTANCED}; export it without")
         # A product that overflows leaves positions that are not finite, which the mesh reports.
-        with np.errstate(over="ignore", invalid="ignore"):
-            placement = parent @ _local_placement(glb, node)
+        placement = parent
+        if _PLACING & node.keys():
+            with np.errstate(over="ignore", invalid="ignore"):
+                placement = parent @ _local_placement(glb, node)
         if "mesh" in node:
             stands = np.eye(4) if "skin" in node else placement
-            yield node, glb.item("meshes", node["mesh"]), stands
+            yield node, node["mesh"], stands
         stack.extend((child, placement) for child in reversed(glb.members(node, "children")))
 
 
-def _left_out(glb: GlbFile, node: Json, mesh: Json) -> Iterator[tuple[str, str]]:
-    """What there is in a node that does not come to the shape, and what is done instead."""
+def _left_out(glb: GlbFile, node: Json, mesh: Mesh) -> dict[tuple[str, str], int]:
+    """How often there is something in a node that does not come to the shape.
+
+    By what it is and what is done instead.
+    """
+    found: dict[tuple[str, str], int] = {}
     if "skin" in node:
-        yield (
-            "meshes with a skin",
-            "read in the pose in which they were modelled, without the placement of their nodes",
-        )
-    primitives = [p for p in glb.members(mesh, "primitives") if isinstance(p, dict)]
-    if any("targets" in primitive for primitive in primitives):
-        weights = glb.members(node, "weights") or glb.members(mesh, "weights")
+        done = "read in the pose in which they were modelled, without the placement of their nodes"
+        found["meshes with a skin", done] = 1
+    if mesh.morphs:
         done = "read without them"
-        if any(weight != 0 for weight in weights):
+        weights = glb.members(node, "weights")
+        if any(weight != 0 for weight in weights) or (not weights and mesh.morphed):
             done += ", though the file shows some of them"
-        yield "meshes with morph targets", done
-    for primitive in primitives:
-        if primitive.get("mode", _TRIANGLES) in _NO_SURFACE:
-            yield "lists of points or lines", "passed over"
+        found["meshes with morph targets", done] = 1
+    if mesh.n_lines:
+        found["lists of points or lines", "passed over"] = mesh.n_lines
+    return found
 
 
 def _roots(glb: GlbFile) -> list[object]:
@@ -280,7 +304,10 @@ def _roots(glb: GlbFile) -> list[object]:
         return glb.members(scene, "nodes")
     count = len(glb.members(glb.document, "nodes"))
     nodes = [glb.item("nodes", index) for index in range(count)]
-    children = [child for node in nodes for child in glb.members(node, "children")]
+    # Others are no numbers of nodes, which is said when it comes to them.
+    children = {
+        child for node in nodes for child in glb.members(node, "children") if type(child) is int
+    }
     return [index for index in range(count) if index not in children]
 
 
@@ -315,47 +342,7 @@ def _placed(vertices: FloatArray, placement: FloatArray) -> FloatArray:
     return np.stack(rows, axis=1)
 
 
-def _primitives(glb: GlbFile, mesh: Json) -> Iterator[tuple[Json, FloatArray, IntArray]]:
-    """The primitives that have triangles, their positions (V, 3) and triangles (T, 3)."""
-    for primitive in glb.members(mesh, "primitives"):
-        if not isinstance(primitive, dict):
-            raise glb.damaged("a primitive must be an object")
-        mode = glb.integer(primitive, "mode", _TRIANGLES)
-        if mode not in (_TRIANGLES, _STRIP, _FAN):
-            continue
-        position = glb.mapping(primitive, "attributes").get("POSITION")
-        # Beside compressed data a file may hold the same again, for those that cannot read them.
-        if _COMPRESSED in glb.mapping(primitive, "extensions") and (
-            "bufferView" not in glb.item("accessors", position)
-        ):
-            raise glb.unreadable(_COMPRESSED)
-        vertices = glb.array(position)
-        if vertices.shape[1] != 3:
-            raise glb.damaged("positions must have three coordinates")
-        indices = np.arange(len(vertices))
-        if "indices" in primitive:
-            listed = glb.array(primitive["indices"])
-            if listed.shape[1] != 1 or listed.dtype.kind != "u":
-                raise glb.damaged("indices must be unsigned integers")
-            indices = listed[:, 0].astype(np.int64)
-        if indices.size and indices.max() >= len(vertices):
-            raise glb.damaged(
-                f"a triangle names vertex {indices.max()}, but its primitive has {len(vertices)}"
-            )
-        yield primitive, vertices.astype(np.float64), _triangles(glb, indices, mode)
-
-
-def _triangles(glb: GlbFile, indices: IntArray, mode: int) -> IntArray:
-    """(T, 3) corners of the triangles that a run of indices forms."""
-    if mode == _TRIANGLES:
-        if len(indices) % 3:
-            raise glb.damaged(f"{len(indices)} indices do not make whole triangles")
-        return indices.reshape(-1, 3)
-    if len(indices) < 3:
-        raise glb.damaged(f"{len(indices)} indices make no strip or fan of triangles")
-    first, second, third = indices[:-2], indices[1:-1], indices[2:]
-    if mode == _FAN:
-        return np.stack([second, third, np.full_like(second, indices[0])], axis=1)
-    odd = np.arange(len(first)) % 2 == 1
-    # Every other triangle of a strip runs the other way round.
-    return np.stack([first, np.where(odd, third, second), np.where(odd, second, third)], axis=1)
+def _mirrors(placement: FloatArray) -> bool:
+    """Whether a placement turns outsides in."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        return bool(np.linalg.det(placement[:3, :3]) < 0)

@@ -10,15 +10,18 @@ from __future__ import annotations
 import base64
 import binascii
 import re
+from collections.abc import MutableMapping
 from pathlib import Path
 from urllib.parse import unquote, unquote_to_bytes
 
-from moseg_core.io.read.checked import file_error
+from moseg_core.io.read.checked import file_error, quoted
 
 _SCHEME = re.compile(r"[A-Za-z][A-Za-z0-9+.-]*:")
 
 
-def read_buffer(path: Path, uri: object, length: int) -> bytes:
+def read_buffer(
+    path: Path, uri: object, length: int, kept: MutableMapping[Path, bytes] | None = None
+) -> bytes:
     r"""The bytes at the address of a buffer.
 
     Parameters
@@ -29,6 +32,9 @@ def read_buffer(path: Path, uri: object, length: int) -> bytes:
         As it stands in the document; checked.
     length : int
         How many bytes the document announces.
+    kept : mutable mapping of Path to bytes, optional
+        Files that were read already: buffers may lie in one file, and a document may say so of any
+        number of them.
 
     Returns
     -------
@@ -51,7 +57,7 @@ def read_buffer(path: Path, uri: object, length: int) -> bytes:
     if uri[:5].lower() == "data:":
         data, what = _written_out(path, uri), "its text"
     else:
-        data, what = _beside(path, uri, length), f"'{uri[:80]}'"
+        data, what = _beside(path, uri, length, {} if kept is None else kept), quoted(uri)
     if len(data) < length:
         raise file_error(
             path, f"announces {length} bytes in {what}, where there are {len(data)}; it is cut off"
@@ -73,7 +79,7 @@ def _written_out(path: Path, uri: str) -> bytes:
         raise file_error(path, f"has damaged base64 data ({error}); export it again") from error
 
 
-def _beside(path: Path, uri: str, length: int) -> bytes:
+def _beside(path: Path, uri: str, length: int, kept: MutableMapping[Path, bytes]) -> bytes:
     """The bytes of a file in the folder of the document."""
     name = unquote(uri)
     folder = path.parent.resolve()
@@ -85,17 +91,20 @@ def _beside(path: Path, uri: str, length: int) -> bytes:
     if _SCHEME.match(uri) or "\\" in name or not inside:
         raise file_error(
             path,
-            f"keeps its data in '{uri[:80]}', out of its folder; put it beside the file, or export"
+            f"keeps its data in {quoted(uri)}, out of its folder; put it beside the file, or export"
             " one self-contained .glb",
         )
     if not place.is_file():
         raise file_error(
             path,
-            f"keeps its data in '{uri[:80]}', which is not there; put it beside the file, or export"
-            " one self-contained .glb",
+            f"keeps its data in {quoted(uri)}, which is not there; put it beside the file, or"
+            " export one self-contained .glb",
         )
+    if len(kept.get(place, b"")) >= length > 0:
+        return kept[place]
     try:
         with place.open("rb") as file:
-            return file.read(length)
+            kept[place] = file.read(length)
+            return kept[place]
     except OSError as error:
-        raise file_error(path, f"keeps its data in '{uri[:80]}': {error.strerror}") from error
+        raise file_error(path, f"keeps its data in {quoted(uri)}: {error.strerror}") from error

@@ -23,25 +23,27 @@ import numpy.typing as npt
 from moseg_core.errors import ShapeError
 from moseg_core.io.read.checked import file_error, read_file
 from moseg_core.io.read.clouds import shape_from_table
+from moseg_core.io.read.limits import LIMITS, ReadLimits
 from moseg_core.io.read.npy_bytes import array_from_bytes
 from moseg_core.shape.shape import Shape
 from moseg_core.types import BoolArray
 
-_MOST_CELLS = 2**31
 _MOST_COLUMNS = 100
 
 
-def read_npy(path: Path) -> Shape:
+def read_npy(path: Path, *, limits: ReadLimits = LIMITS) -> Shape:
     """Read an array of three axes as a voxel grid, what is not 0 is occupied; or points.
 
     Parameters
     ----------
     path : Path
+    limits : ReadLimits, optional
 
     Raises
     ------
     ShapeError
-        The file is no such array, or nothing in it is occupied, or the points make no surface.
+        The file is no such array, or nothing in it is occupied, or the points make no surface, or
+        there is more of them than the limits allow.
 
     Examples
     --------
@@ -60,6 +62,7 @@ def read_npy(path: Path) -> Shape:
                     path,
                     f"holds an array of shape {array.shape}; points are rows: save it transposed",
                 )
+            limits.refuse_columns(path, array.shape[1])
             return shape_from_table(path, array.astype(np.float64))
         if array.ndim == 3 and array.shape[2] == 3 and array.dtype.kind == "f":
             note = f"{array.shape[0]} x {array.shape[1]} points, row by row"
@@ -76,7 +79,12 @@ def read_npy(path: Path) -> Shape:
         )
     if array.size and array.min() < 0:
         raise file_error(path, "holds negative numbers; save 'labels >= 0', or the like, as bool")
-    return _shape(path, array != 0, 1.0, (0.0, 0.0, 0.0))
+    limits.refuse_cells(path, occupied=0, grid=array.size, size=array.nbytes)
+    occupied = array != 0
+    limits.refuse_cells(
+        path, occupied=int(np.count_nonzero(occupied)), grid=array.size, size=array.nbytes
+    )
+    return _shape(path, occupied, 1.0, (0.0, 0.0, 0.0))
 
 
 def read_array(path: Path) -> npt.NDArray[np.generic]:
@@ -93,17 +101,19 @@ def read_array(path: Path) -> npt.NDArray[np.generic]:
         raise file_error(path, str(error)) from error
 
 
-def read_binvox(path: Path) -> Shape:
+def read_binvox(path: Path, *, limits: ReadLimits = LIMITS) -> Shape:
     """Read a binvox file as a voxel grid, at its place and in its units.
 
     Parameters
     ----------
     path : Path
+    limits : ReadLimits, optional
 
     Raises
     ------
     ShapeError
-        The file is malformed or cut off, or nothing in it is occupied.
+        The file is malformed or cut off, or nothing in it is occupied, or more than the limits
+        allow.
     """
     data = read_file(path)
     if not data.startswith(b"#binvox"):
@@ -116,20 +126,30 @@ def read_binvox(path: Path) -> Shape:
         for words in map(bytes.split, data[: head.start()].splitlines())
         if words
     }
-    depth, width, height = (int(d) for d in _numbers(path, fields, b"dim", 3, "1 1 1"))
+    sizes = _numbers(path, fields, b"dim", 3, "1 1 1")
+    if not all(size.is_integer() and 1 <= size < 2**31 for size in sizes):
+        raise file_error(
+            path,
+            f"has a grid of {' x '.join(f'{size:.10g}' for size in sizes)}, which are no numbers of"
+            " cells; it is damaged",
+        )
+    depth, width, height = map(int, sizes)
     translate = _numbers(path, fields, b"translate", 3, "0 0 0")
     (scale,) = _numbers(path, fields, b"scale", 1, "1")
-    if min(depth, width, height) < 1 or depth * width * height > _MOST_CELLS:
-        raise file_error(path, f"has a grid of {depth} x {width} x {height}; it is damaged")
     if not 0 < scale < math.inf or not all(map(math.isfinite, translate)):
         raise file_error(path, f"has the scale {scale:g} and translation {translate}; repair it")
-    runs = np.frombuffer(data, np.uint8, -1, head.end())
+    limits.refuse_cells(path, occupied=0, grid=depth * width * height, size=len(data))
+    runs = np.frombuffer(data, np.uint8, len(data) - head.end(), head.end())
     if len(runs) % 2 or int(runs[1::2].sum(dtype=np.int64)) != depth * width * height:
         raise file_error(
             path,
             f"holds {int(runs[1::2].sum(dtype=np.int64))} cells instead of"
             f" {depth * width * height}; it is cut off or damaged",
         )
+    occupied = int(runs[1::2][runs[::2] != 0].sum(dtype=np.int64))
+    if not occupied:
+        raise file_error(path, f"is empty: none of the {depth * width * height} cells is occupied")
+    limits.refuse_cells(path, occupied=occupied, grid=depth * width * height, size=len(data))
     cells = np.repeat(runs[::2] != 0, runs[1::2]).reshape(depth, height, width)
     pitch = scale / max(depth, width, height)
     return _shape(path, cells.transpose(0, 2, 1), pitch, translate)

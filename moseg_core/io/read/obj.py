@@ -35,6 +35,7 @@ from moseg_core.io.read.obj_appearance import (
 )
 from moseg_core.io.read.text_rows import (
     Row,
+    end_notes,
     integers,
     leading_floats,
     line_of_item,
@@ -162,7 +163,7 @@ def read_obj(path: Path) -> Shape:
     appearance = Appearance(
         texture=texture, normals=shading, materials=names, polygon_materials=polygon_materials
     )
-    notes += texture_notes + shading_notes
+    notes += texture_notes + shading_notes + end_notes(data)
     return shape_from_polygons(path, vertices, corners, offsets, appearance=appearance, notes=notes)
 
 

@@ -25,6 +25,7 @@ from moseg_core.io.read.checked import (
 )
 from moseg_core.io.read.text_rows import (
     Row,
+    end_notes,
     floats,
     integers,
     leading_floats,
@@ -69,7 +70,9 @@ def read_off(path: Path) -> Shape:
     regular = _regular_mesh(data)
     if regular is not None:
         vertices, corners = regular
-        return shape_from_polygons(path, vertices, corners, np.arange(0, len(corners) + 1, 3))
+        return shape_from_polygons(
+            path, vertices, corners, np.arange(0, len(corners) + 1, 3), notes=end_notes(data)
+        )
     rows, lines = text_rows(data)
     if not rows:
         raise file_error(path, "holds nothing but comments; export it again")
@@ -96,7 +99,7 @@ def read_off(path: Path) -> Shape:
         left = np.delete(np.arange(len(rows)), small).tolist()
         rows, lines = [rows[i] for i in left], [lines[i] for i in left]
     corners, offsets = _faces(path, rows, lines)
-    return shape_from_polygons(path, vertices, corners, offsets, notes=notes)
+    return shape_from_polygons(path, vertices, corners, offsets, notes=notes + end_notes(data))
 
 
 def _regular_mesh(data: bytes) -> tuple[FloatArray, IntArray] | None:

@@ -18,6 +18,7 @@ from moseg_core.io.read.checked import (
     file_error,
     read_file,
     shape_from_polygons,
+    shown,
     small_faces_note,
 )
 from moseg_core.io.read.clouds import shape_from_points
@@ -28,9 +29,11 @@ from moseg_core.io.read.ply_elements import (
     decode_elements,
 )
 from moseg_core.io.read.ply_header import parse_header
+from moseg_core.io.read.text_rows import end_notes
 from moseg_core.shape.shape import Shape
 from moseg_core.types import BoolArray, FloatArray, IntArray
 
+_MOST_NAMES = 8
 _LISTS = ("vertex_indices", "vertex_index")
 
 
@@ -64,7 +67,10 @@ def read_ply(path: Path) -> Shape:
     1
     """
     data = read_file(path)
-    elements, notes = decode_elements(path, data, parse_header(path, data))
+    header = parse_header(path, data)
+    elements, notes = decode_elements(path, data, header)
+    if header.order == "":
+        notes += end_notes(data)
     vertices = _vectors(path, elements.get("vertex", {}), "xyz")
     if "tristrips" in elements:
         raise file_error(path, "holds triangle strips, not faces; export it with faces")
@@ -73,7 +79,7 @@ def read_ply(path: Path) -> Shape:
     if faces and not lists:
         raise file_error(
             path,
-            f"has faces with {', '.join(faces)}, but without the list '{_LISTS[0]}';"
+            f"has faces with {_some(list(faces))}, but without the list '{_LISTS[0]}';"
             " export it again",
         )
     if not lists or not _count(lists[0]):
@@ -109,6 +115,11 @@ def whole_faces(offsets: IntArray) -> BoolArray:
     [True, False]
     """
     return np.diff(offsets) > 2
+
+
+def _some(names: list[str]) -> str:
+    more = ", ..." if len(names) > _MOST_NAMES else ""
+    return ", ".join(map(shown, names[:_MOST_NAMES])) + more
 
 
 def _count(column: Numbers | PlyLists) -> int:

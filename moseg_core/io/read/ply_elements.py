@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from moseg_core.errors import ShapeError
-from moseg_core.io.read.checked import file_error
+from moseg_core.io.read.checked import file_error, quoted
 from moseg_core.io.read.ply_header import PlyElement, PlyHeader, PlyProperty
 from moseg_core.io.read.text_rows import Row, floats, integers, line_of_item, text_rows
 from moseg_core.types import IntArray
@@ -94,7 +94,7 @@ def _least(element: PlyElement) -> int:
 
 def _too_little(element: PlyElement, row: int) -> str:
     return (
-        f"ends after {row} of {element.count} rows of the element '{element.name}';"
+        f"ends after {row} of {element.count} rows of the element {quoted(element.name)};"
         " it is cut off, export it again"
     )
 
@@ -127,7 +127,7 @@ def _text_element(path: Path, element: PlyElement, rows: list[Row], lines: list[
     columns: PlyColumns = {}
 
     def refuse(index: int) -> ShapeError:
-        what = f"the row of '{element.name}' holds {len(rows[index])} numbers"
+        what = f"the row of {quoted(element.name)} holds {len(rows[index])} numbers"
         return file_error(
             path, f"{what}, which is not what its header says; it is damaged", line=lines[index]
         )
@@ -233,7 +233,7 @@ def _ragged_element(
                 size = int.from_bytes(data[at : at + width], byteorder, signed=signed)
                 at += width
                 if size < 0:
-                    what = f"has a list of {size} items in row {row} of '{element.name}'"
+                    what = f"has a list of {size} items in row {row} of {quoted(element.name)}"
                     raise file_error(path, f"{what}; it is damaged, export it again")
             put_start(at)
             put_size(size)

@@ -11,7 +11,7 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
-from moseg_core.io.read.checked import file_error
+from moseg_core.io.read.checked import file_error, quoted
 from moseg_core.io.read.text_rows import word
 
 _TYPES = {
@@ -23,6 +23,9 @@ _TYPES = {
 }  # fmt: skip
 _DIGITS = re.compile(r"[0-9]{1,18}")
 _ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
+# What parts words: no other blank of Unicode, which would be part of a name.
+_BLANKS = " \t\r\n\v\f"
+_WORD = re.compile(f"[^{_BLANKS}]+")
 # A header is a few hundred bytes; a longer one means that there is no end to it.
 _LONGEST_HEADER = 1 << 20
 
@@ -100,23 +103,23 @@ def parse_header(path: Path, data: bytes) -> PlyHeader:
     """
     rows, size = _header_rows(path, data)
     order: str | None = None
-    elements: list[PlyElement] = []
+    announced: list[tuple[str, int, dict[str, PlyProperty]]] = []
     comments: list[str] = []
     for line, text in enumerate(rows[1:-1], 2):
-        words = text.split()
+        words = _WORD.findall(text)
         match words:
             case ["format", kind, _] if kind in _ORDERS:
                 order = _ORDERS[kind]
             case ["element", name, count] if _DIGITS.fullmatch(count):
-                elements.append(PlyElement(name=name, count=int(count), properties=()))
-            case ["property", *declared] if elements:
-                last = elements.pop()
-                grown = (*last.properties, _property(path, declared, line))
-                if len({p.name for p in grown}) < len(grown):
-                    raise file_error(path, f"property '{grown[-1].name}' is repeated", line=line)
-                elements.append(PlyElement(name=last.name, count=last.count, properties=grown))
+                announced.append((name, int(count), {}))
+            case ["property", *declared] if announced:
+                found = _property(path, declared, line)
+                known = announced[-1][2]
+                if found.name in known:
+                    raise file_error(path, f"property {quoted(found.name)} is repeated", line=line)
+                known[found.name] = found
             case ["comment" | "obj_info", *_]:
-                comments.append(text.strip().partition(" ")[2])
+                comments.append(text.partition(" ")[2])
             case []:
                 pass
             case _:
@@ -124,11 +127,14 @@ def parse_header(path: Path, data: bytes) -> PlyHeader:
                 raise file_error(path, f"{what}; the file is damaged, export it again", line=line)
     if order is None:
         raise file_error(path, "names no format in its header; it is damaged, export it again")
-    if len({element.name for element in elements}) < len(elements):
+    if len({name for name, _, _ in announced}) < len(announced):
         raise file_error(path, "announces an element twice in its header; it is damaged")
     return PlyHeader(
         order=order,
-        elements=tuple(elements),
+        elements=tuple(
+            PlyElement(name=name, count=count, properties=tuple(known.values()))
+            for name, count, known in announced
+        ),
         comments=tuple(comments),
         size=size,
         lines=len(rows),
@@ -148,7 +154,7 @@ def _header_rows(path: Path, data: bytes) -> tuple[list[str], int]:
     rows: list[str] = []
     start = 0
     while (stop := head.find(end, start)) >= 0:
-        rows.append(head[start:stop].decode("utf-8", "replace").strip())
+        rows.append(head[start:stop].decode("utf-8", "replace").strip(_BLANKS))
         start = stop + 1
         if rows[-1] == "end_header":
             return rows, start

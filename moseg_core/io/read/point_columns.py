@@ -13,6 +13,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from moseg_core.io.read.checked import quoted
 from moseg_core.types import BoolArray, FloatArray
 
 _SYNONYMS = {
@@ -103,9 +104,9 @@ def passed_over(width: int, used: Sequence[int], names: Sequence[str] = ()) -> l
     >>> passed_over(4, [1, 2, 3], ["id", "x", "y", "z"])
     ["passed over: column 'id'"]
     """
-    left = [k for k in range(width) if k not in used]
+    left = sorted(set(range(width)) - set(used))
     if not left:
         return []
-    words = [f"'{names[k]}'" if names else str(k + 1) for k in left[:12]]
+    words = [quoted(names[k]) if names else str(k + 1) for k in left[:12]]
     more = f" and {len(left) - 12} more" if len(left) > 12 else ""
     return [f"passed over: column{'s' * (len(left) > 1)} {', '.join(words)}{more}"]

@@ -94,6 +94,21 @@ def word(token: bytes) -> str:
     return repr(text if len(text) <= 40 else text[:37] + "...")
 
 
+def end_notes(data: bytes) -> list[str]:
+    r"""The note about a text that ends within a line, whose last number may have been cut short.
+
+    Examples
+    --------
+    >>> end_notes(b"0 0 1\n"), end_notes(b"0 0 1 ")
+    ([], [])
+    >>> end_notes(b"0 0 1")
+    ['the last line has no end: if the file was cut off there, its last number is wrong']
+    """
+    if not data or data[-1:].isspace() or data[-1:] in b"\0\x1a":
+        return []
+    return ["the last line has no end: if the file was cut off there, its last number is wrong"]
+
+
 def line_of_item(offsets: IntArray, lines: Sequence[int]) -> Callable[[int], int]:
     """For words that were taken from rows, some from each: the function from word to line.
 
