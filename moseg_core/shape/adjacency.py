@@ -25,6 +25,7 @@ from scipy import sparse
 from scipy.sparse import csgraph
 
 from moseg_core.shape.mesh import PolygonMesh
+from moseg_core.shape.nearest import nearest_points
 from moseg_core.shape.voxels import VoxelGrid
 from moseg_core.types import FloatArray, Int32Array, IntArray, frozen
 
@@ -259,11 +260,9 @@ def near_pairs(points: FloatArray, nearest: int = NEAREST) -> IntArray:
     >>> near_pairs(np.array([[0.0, 0, 0], [1, 0, 0], [5, 0, 0]]), 1).tolist()
     [[0, 1]]
     """
-    from scipy.spatial import cKDTree
-
     count = len(points)
     near = min(nearest + 1, count)
-    found = cKDTree(points).query(points, near)[1].reshape(count, near)
+    found = nearest_points(points, near)[1]
     rows = np.repeat(np.arange(count), near)
     columns = found.reshape(-1)
     apart = rows != columns

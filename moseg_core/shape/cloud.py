@@ -26,10 +26,11 @@ from typing import ClassVar
 
 import numpy as np
 import numpy.typing as npt
-from scipy.spatial import cKDTree
 
 from moseg_core.errors import ShapeError
-from moseg_core.shape.geometry import Geometry
+from moseg_core.shape.geometry import FARTHEST, Geometry
+from moseg_core.shape.nearest import nearest_points
+from moseg_core.shape.positions import find_positions
 from moseg_core.types import BoolArray, FloatArray, IntArray, frozen
 
 _NEAREST = 8
@@ -113,13 +114,16 @@ class PointCloud(Geometry):
             )
         if areas is None:
             weights = np.zeros(len(places))
-            weights[finite] = estimated_areas(places[finite])
-            if not weights.any():
-                raise ShapeError("all points are in one place: there is no surface to segment")
+            weights[finite] = _areas(places[finite])
         else:
             weights = np.where(finite, _finite("areas", areas, finite, notes), 0.0)
             if (weights < 0).any() or not weights.any():
                 raise ShapeError("areas of points must not be negative, and not all of them 0")
+            if weights.max() > FARTHEST**2:
+                raise ShapeError(
+                    f"the area of point {int(weights.argmax())} is {weights.max():g}, beyond what"
+                    " can be measured; repair or rescale the areas first"
+                )
         return cls(
             vertices=places,
             corners=np.arange(len(places)),
@@ -164,9 +168,26 @@ def estimated_areas(points: FloatArray, nearest: int = _NEAREST) -> FloatArray:
     near = min(nearest, len(points) - 1)
     if near < 1:
         return np.zeros(len(points))
-    distances = np.asarray(cKDTree(points).query(points, near + 1)[0])[:, 1:]
+    distances = nearest_points(points, near + 1)[0][:, 1:]
     areas: FloatArray = np.pi * (distances**2).sum(axis=1) / (near * (near + 1) / 2)
     return areas
+
+
+def _areas(places: FloatArray) -> FloatArray:
+    """Estimates for all points, not all of them 0.
+
+    Where all have so many others in their very place that nothing is left to any, those in one
+    place share what the place stands for.
+    """
+    areas = estimated_areas(places)
+    if areas.any():
+        return areas
+    number = find_positions(places).number
+    first = np.unique(number, return_index=True)[1]
+    if len(first) < 2:
+        raise ShapeError("all points are in one place: there is no surface to segment")
+    shared: FloatArray = (estimated_areas(places[first]) / np.bincount(number))[number]
+    return shared
 
 
 def _stand_ins(finite: BoolArray) -> IntArray:

@@ -26,9 +26,9 @@ from dataclasses import replace
 
 import numpy as np
 from scipy.sparse import coo_array, csgraph
-from scipy.spatial import cKDTree
 
 from moseg_core.shape.adjacency import Adjacency
+from moseg_core.shape.nearest import nearest_points
 from moseg_core.shape.pins import NO_PINS, Pins
 from moseg_core.shape.shape import Shape
 from moseg_core.types import FloatArray, Int32Array, IntArray
@@ -194,7 +194,7 @@ def _graph(shape: Shape, n: int) -> Adjacency:
     if known is not None and known.components()[0] <= n // 2:
         return known
     near = min(_NEAR + 1, shape.n_elements)
-    found = cKDTree(shape.unit_points).query(shape.unit_points, near)[1].reshape(-1, near)
+    found = nearest_points(shape.unit_points, near)[1]
     pairs = np.stack([np.repeat(np.arange(len(found)), near), found.reshape(-1)], axis=1)
     if known is not None:
         rows = np.repeat(np.arange(shape.n_elements), np.diff(known.indptr))

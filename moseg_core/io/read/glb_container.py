@@ -208,6 +208,13 @@ class GlbFile:
         ShapeError
             The accessor is malformed, reaches past the data, or lies outside of the file.
         """
+        values, normalized = self._stretch(index)
+        if normalized:
+            return np.maximum(values.astype(np.float64) / np.iinfo(values.dtype).max, -1.0)
+        return values
+
+    def _stretch(self, index: object) -> tuple[npt.NDArray[Any], bool]:
+        """The numbers of an accessor where they lie; whether they stand for shares of the most."""
         accessor = self.item("accessors", index)
         name = f"accessors[{index}]"
         if "sparse" in accessor:
@@ -235,13 +242,11 @@ class GlbFile:
         values = np.ndarray(
             (count, width), dtype, buffer=view, offset=offset, strides=(stride, dtype.itemsize)
         ) if count else np.empty((0, width), dtype)  # fmt: skip
-        if accessor.get("normalized") is True and dtype.kind in "iu":
-            return np.maximum(values.astype(np.float64) / np.iinfo(dtype).max, -1.0)
-        return values
+        return values, accessor.get("normalized") is True and dtype.kind in "iu"
 
     def count(self, index: object) -> int:
-        """How many items an accessor announces; its data are not looked at."""
-        return self.integer(self.item("accessors", index), "count")
+        """How many items an accessor has; see :meth:`array`."""
+        return len(self._stretch(index)[0])
 
     def _view(self, index: object) -> tuple[memoryview, int]:
         """The bytes of a buffer view, and its stride (0 where its items are packed)."""

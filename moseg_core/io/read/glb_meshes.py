@@ -22,6 +22,8 @@ _NO_SURFACE = (0, 1, 2, 3)  # points and lines
 _COMPRESSED = "KHR_draco_mesh_compression"
 # One of few triangles takes as long to place as one of some.
 _LEAST = 16
+# Primitives of several materials may have all vertices in common.
+_VERTICES = 10
 
 
 @dataclass(eq=False)
@@ -32,8 +34,7 @@ class Primitive:
     ----------
     document : mapping
     mode : int
-    n_vertices, n_indices : int
-        As the accessors announce them.
+    n_vertices : int
     vertices : (V, 3) float or None
     triangles : (T, 3) int or None
     texture : (V, 2) float or None
@@ -44,7 +45,6 @@ class Primitive:
     document: Json
     mode: int
     n_vertices: int
-    n_indices: int
     vertices: FloatArray | None = None
     triangles: IntArray | None = None
     texture: FloatArray | None = None
@@ -60,6 +60,8 @@ class Mesh:
     document : mapping
     primitives : tuple of Primitive
         Those with triangles.
+    n_elements : int
+        How many triangles they have, or a tenth of the vertices where that is more.
     n_lines : int
         How many others, of points or lines.
     morphs, morphed : bool
@@ -68,6 +70,7 @@ class Mesh:
 
     document: Json
     primitives: tuple[Primitive, ...]
+    n_elements: int
     n_lines: int
     morphs: bool
     morphed: bool
@@ -80,25 +83,20 @@ class PlacedMeshes:
         self._glb = glb
         self._limits = limits
         self._meshes: dict[object, Mesh] = {}
-        self._n_vertices = self._n_triangles = 0
+        self._n_elements = 0
 
     def mesh(self, number: object) -> Mesh:
-        """The mesh of a number as a node gives it; checked."""
+        """The mesh of a number as a node gives it, which is checked; placed once more."""
         document = self._glb.item("meshes", number)
         if number not in self._meshes:
             self._meshes[number] = self._looked_through(document)
-        return self._meshes[number]
+        found = self._meshes[number]
+        self._n_elements += found.n_elements
+        self._limits.refuse_triangles(self._glb.path, self._n_elements, self._glb.size)
+        return found
 
-    def placed(self, primitive: Primitive) -> tuple[FloatArray, IntArray]:
-        """The vertices (V, 3) and triangles (T, 3) of a primitive that is placed once more."""
-        n_triangles = primitive.n_indices - 2
-        if primitive.mode == _TRIANGLES:
-            n_triangles = primitive.n_indices // 3
-        self._n_triangles += max(n_triangles, _LEAST)
-        self._n_vertices += max(primitive.n_vertices, _LEAST)
-        self._limits.refuse_triangles(
-            self._glb.path, max(self._n_triangles, self._n_vertices), self._glb.size
-        )
+    def arrays(self, primitive: Primitive) -> tuple[FloatArray, IntArray]:
+        """The vertices (V, 3) and triangles (T, 3) of a primitive."""
         if primitive.vertices is None or primitive.triangles is None:
             primitive.vertices, primitive.triangles = _arrays(self._glb, primitive)
         return primitive.vertices, primitive.triangles
@@ -106,7 +104,7 @@ class PlacedMeshes:
     def _looked_through(self, document: Json) -> Mesh:
         glb = self._glb
         primitives: list[Primitive] = []
-        n_lines, morphs = 0, False
+        n_elements, n_lines, morphs = 0, 0, False
         for primitive in glb.members(document, "primitives"):
             if not isinstance(primitive, dict):
                 raise glb.damaged("a primitive must be an object")
@@ -123,10 +121,13 @@ class PlacedMeshes:
                 raise glb.unreadable(_COMPRESSED)
             n_vertices = glb.count(position)
             n_indices = glb.count(primitive["indices"]) if "indices" in primitive else n_vertices
-            primitives.append(Primitive(primitive, mode, n_vertices, n_indices))
+            n_triangles = n_indices // 3 if mode == _TRIANGLES else n_indices - 2
+            n_elements += max(n_triangles, n_vertices // _VERTICES, _LEAST)
+            primitives.append(Primitive(primitive, mode, n_vertices))
         return Mesh(
             document=document,
             primitives=tuple(primitives),
+            n_elements=n_elements,
             n_lines=n_lines,
             morphs=morphs,
             morphed=morphs and any(weight != 0 for weight in glb.members(document, "weights")),

@@ -103,7 +103,7 @@ def _shown(glb: GlbFile, limits: ReadLimits) -> tuple[FloatArray, IntArray, Appe
         mesh = scene.mesh(number)
         found.update(_left_out(glb, node, mesh))
         for primitive in mesh.primitives:
-            vertices, triangles = scene.placed(primitive)
+            vertices, triangles = scene.arrays(primitive)
             if primitive.texture is None:
                 primitive.texture, primitive.damaged = _texture(glb, primitive)
             if primitive.damaged:
@@ -206,7 +206,7 @@ def read_glb_pieces(path: Path) -> list[GlbPiece]:
     for place, (node, number, _) in enumerate(_placed_meshes(glb)):
         mesh = scene.mesh(number)
         for primitive in mesh.primitives:
-            _, triangles = scene.placed(primitive)
+            _, triangles = scene.arrays(primitive)
             material: Json = {}
             if "material" in primitive.document:
                 material = glb.item("materials", primitive.document["material"])
@@ -257,7 +257,8 @@ def _placed_meshes(glb: GlbFile) -> Iterator[tuple[Json, object, FloatArray]]:
     """Nodes with a mesh, its number and their placements, (4, 4) to the scene, in scene order."""
     seen: set[object] = set()
     # A stack in place of recursion: chains of nodes may be longer than Python's own stack.
-    stack: list[tuple[object, FloatArray]] = [(root, np.eye(4)) for root in reversed(_roots(glb))]
+    here = np.eye(4)
+    stack: list[tuple[object, FloatArray]] = [(root, here) for root in reversed(_roots(glb))]
     while stack:
         index, parent = stack.pop()
         node = glb.item("nodes", index)
