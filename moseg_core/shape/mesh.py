@@ -31,6 +31,9 @@ from moseg_core.types import FloatArray, IntArray
 MOST_WELD = 0.1
 """The largest share of the diagonal to join within; with more, parts would be one position."""
 
+# Unless the user says how far, vertices are joined within so much of the size of most faces.
+_APART = 0.01
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PolygonMesh(Geometry):
@@ -79,7 +82,8 @@ class PolygonMesh(Geometry):
             Zero-based; polygons of three or more corners, in any mix.
         weld : float
             How far vertices may lie apart and still be at one position, as a share of the
-            diagonal of the bounding box; 0 joins only those that are equal.
+            diagonal of the bounding box; 0 joins only those that are equal. By default never
+            more than a hundredth of the size of most faces.
         notes : iterable of str
             What was passed over or repaired on the way.
 
@@ -125,6 +129,10 @@ class PolygonMesh(Geometry):
             triangle_polygon=triangle_polygon,
             notes=(*notes, *found),
         )
+        if weld == WELD:  # the shape may be in pieces that are small and far apart
+            typical = _typical_size(points, triangles)
+            if 0.0 < _APART * typical < weld * mesh.diagonal:
+                weld = _APART * typical / mesh.diagonal
         return mesh.welded(weld)
 
     def welded(self, weld: float) -> PolygonMesh:
@@ -210,6 +218,16 @@ class PolygonMesh(Geometry):
         ends = np.stack([position, position[following]], axis=1)
         real = ends[:, 0] != ends[:, 1]
         return ends[real], polygon[real]
+
+
+def _typical_size(vertices: FloatArray, triangles: IntArray) -> float:
+    """The size of most triangles: the median of the longer sides of their boxes; 0 for none.
+
+    Of many triangles some ten thousand are looked at.
+    """
+    some = vertices[triangles[:: max(1, len(triangles) // 10_000)]]
+    sizes = np.ptp(some, axis=1).max(axis=1)
+    return float(np.median(sizes[sizes > 0.0])) if sizes.any() else 0.0
 
 
 def checked_weld(weld: float) -> float:

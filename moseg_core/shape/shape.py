@@ -37,6 +37,7 @@ from moseg_core.shape.adjacency import (
 )
 from moseg_core.shape.cloud import PointCloud
 from moseg_core.shape.data import AdjacencySource, Frame, ShapeData
+from moseg_core.shape.extent import without_area
 from moseg_core.shape.geometry import Geometry
 from moseg_core.shape.mesh import MOST_WELD, PolygonMesh
 from moseg_core.shape.moments import element_moments
@@ -243,8 +244,8 @@ class Shape(ShapeData):
         scale = float(np.linalg.norm(high - low))
         frame = Frame((low + high) / 2.0, scale)
         moments = element_moments(geometry, frame.center)
+        degenerate = without_area(geometry, moments.areas, scale)
         # A bounding box of no extent, or needles only: nothing to measure areas against.
-        degenerate = moments.areas <= 1e-14 * scale ** (3 if geometry.solid else 2)
         if scale == 0.0 or degenerate.all():
             raise ShapeError(
                 f"all {geometry.n_elements} {geometry.noun}s are degenerate: they have no area to"
