@@ -12,7 +12,6 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Iterable, Mapping
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -97,7 +96,7 @@ def load(
             f"reader '{component.id}' of {component.distribution} returned a"
             f" {type(shape).__name__}, not a Shape"
         )
-    return replace(shape, file=str(path), name=readable(shape.name))
+    return shape.with_file(str(path), name=readable(shape.name))
 
 
 def instead_of(path: Path) -> str:

@@ -24,6 +24,7 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse import csgraph
 
+from moseg_core.shape.compiled import kernel
 from moseg_core.shape.mesh import PolygonMesh
 from moseg_core.shape.nearest import nearest_points
 from moseg_core.shape.voxels import VoxelGrid
@@ -106,9 +107,35 @@ class Adjacency:
         component : (k,) int
             The component of each element asked for, numbered from 0.
         """
-        graph = self.matrix if elements is None else self.matrix[elements][:, elements]
+        if elements is None:
+            component = np.full(self.n_elements, -1, np.int64)
+            return _flood(self.indptr, self.indices, component), component
+        graph = self.matrix[elements][:, elements]
         count, component = csgraph.connected_components(graph, directed=False)
         return int(count), component.astype(np.int64)
+
+
+@kernel
+def _flood(indptr: Int32Array, indices: Int32Array, component: IntArray) -> int:
+    """Write the number of each element's component, in the order of their first elements."""
+    waiting = np.empty(len(component), np.int32)
+    count = 0
+    for first in range(len(component)):
+        if component[first] >= 0:
+            continue
+        component[first] = count
+        waiting[0], n_waiting = first, 1
+        while n_waiting > 0:
+            n_waiting -= 1
+            element = waiting[n_waiting]
+            for k in range(indptr[element], indptr[element + 1]):
+                other = indices[k]
+                if component[other] < 0:
+                    component[other] = count
+                    waiting[n_waiting] = other
+                    n_waiting += 1
+        count += 1
+    return count
 
 
 def ranges(starts: IntArray, rows: IntArray) -> IntArray:
@@ -229,21 +256,30 @@ def grid_adjacency(grid: VoxelGrid) -> Adjacency:
     >>> grid_adjacency(stairs).indices.tolist()
     []
     """
-    number = grid.spread(np.arange(grid.n_elements), -1)
+    n, shape, here = grid.n_elements, grid.occupied.shape, grid.is_element
+    number = np.full([size + 2 for size in shape], -1, np.int32)
+    number[1:-1, 1:-1, 1:-1][here] = np.arange(n, dtype=np.int32)
     most = 1 if grid.solid else 2
-    steps = [
-        step
-        for step in np.ndindex(3, 3, 3)
-        # Of two opposite steps one is enough.
-        if 0 < sum(abs(k - 1) for k in step) <= most and step > (1, 1, 1)
-    ]
-    padded = np.pad(number, 1, constant_values=-1)
-    pairs = []
-    for i, j, k in steps:
-        beside = padded[i : i + number.shape[0], j : j + number.shape[1], k : k + number.shape[2]]
-        both = (number >= 0) & (beside >= 0)
-        pairs.append(np.stack([number[both], beside[both]], axis=1))
-    return Adjacency.from_pairs(np.concatenate(pairs), grid.n_elements)
+    # In the order of the cells, so that the neighbours of each ascend.
+    steps = [step for step in np.ndindex(3, 3, 3) if 0 < sum(abs(k - 1) for k in step) <= most]
+
+    def beside(step: tuple[int, ...]) -> Int32Array:
+        """(F,) int32: for each element the one a step further, -1 where there is none."""
+        window = tuple(slice(k, k + size) for k, size in zip(step, shape, strict=True))
+        return number[window][here]
+
+    place = np.zeros(n + 1, np.int64)
+    for step in steps:
+        place[1:] += beside(step) >= 0
+    indptr = np.cumsum(place, out=place).astype(np.int32)
+    indices = np.empty(int(indptr[-1]), np.int32)
+    place = place[:-1]
+    for step in steps:
+        found = beside(step)
+        there = found >= 0
+        indices[place[there]] = found[there]
+        place += there
+    return Adjacency(indptr, indices)
 
 
 def near_pairs(points: FloatArray, nearest: int = NEAREST) -> IntArray:

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Hashable
+from copy import copy
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, Literal, Self, TypeAlias
@@ -25,8 +26,10 @@ from moseg_core.shape.geometry import Geometry
 from moseg_core.shape.hull_corners import HullCorners, find_hull_corners
 from moseg_core.shape.links import Links, find_links
 from moseg_core.shape.mesh import PolygonMesh
+from moseg_core.shape.moments import cell_measure
 from moseg_core.shape.up import Up
 from moseg_core.shape.volume.volume import Source, Volume
+from moseg_core.shape.voxels import VoxelGrid
 from moseg_core.types import FloatArray, IntArray, frozen
 
 AdjacencySource: TypeAlias = Literal["auto", "knn", "none"]
@@ -54,6 +57,14 @@ class Frame:
     def to_model(self, points: FloatArray) -> FloatArray:
         """Unit coordinates to model units."""
         return points * self.scale + self.center
+
+#: What is measured of elements, and what it is called in their moments.
+_MEASURED: dict[str, Literal["points", "areas", "first", "second"]] = {
+    "points": "points",
+    "areas": "areas",
+    "first_moments": "first",
+    "second_moments": "second",
+}
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
@@ -120,14 +131,26 @@ class ShapeData:
     file: str = ""
 
     def __post_init__(self) -> None:
-        for array in (self.points, self.areas, self.first_moments, self.second_moments):
-            frozen(array)
+        for name in _MEASURED:
+            array = getattr(self, name)
+            if array is None:  # measured when it is first asked for
+                object.__delattr__(self, name)
+            else:
+                frozen(array)
         frozen(self.frame.center)
+
+    def __getattr__(self, name: str) -> Any:
+        # Asked only for what is not there: of the cells of a solid, moments are a hundred bytes.
+        if name not in _MEASURED or not isinstance(self.__dict__.get("geometry"), VoxelGrid):
+            raise AttributeError(f"'{type(self).__name__}' has no attribute '{name}'")
+        array = frozen(cell_measure(self.geometry, self.frame.center, _MEASURED[name]))
+        object.__setattr__(self, name, array)
+        return array
 
     @property
     def n_elements(self) -> int:
         """Number of surface elements, F."""
-        return len(self.areas)
+        return len(self.areas) if "areas" in self.__dict__ else self.geometry.n_elements
 
     @property
     def volume(self) -> float | None:
@@ -143,6 +166,13 @@ class ShapeData:
     def volume_reason(self) -> str:
         """Why there is no volume; empty where there is one."""
         return self.enclosed.reason
+
+    def with_file(self, file: str, *, name: str) -> Self:
+        """The same shape, with the path of the file that it was read from, and a name."""
+        made = copy(self)
+        object.__setattr__(made, "file", file)
+        object.__setattr__(made, "name", name)
+        return made
 
     def in_space(self, space: str) -> Self:
         """The version of this shape in a space: itself, or the one it was deformed from.

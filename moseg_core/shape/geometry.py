@@ -27,6 +27,10 @@ from moseg_core.types import FloatArray, IntArray, frozen
 FARTHEST = 1e50
 """Coordinates up to which can be measured: fourth powers of them and a little more are floats."""
 
+ARRAYS = ("vertices", "corners", "offsets", "triangles", "triangle_polygon")
+"""The arrays that every geometry has. Kinds that can make them from less may do so when they are
+first asked for; such a one is given None."""
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Geometry:
@@ -61,9 +65,12 @@ class Geometry:
     notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        for array in (self.vertices, self.corners, self.offsets, self.triangles):
-            frozen(array)
-        frozen(self.triangle_polygon)
+        for name in ARRAYS:
+            array = getattr(self, name)
+            if array is None:  # made when it is first asked for
+                object.__delattr__(self, name)
+            else:
+                frozen(array)
 
     @property
     def n_elements(self) -> int:
@@ -79,6 +86,12 @@ class Geometry:
     def is_triangular(self) -> bool:
         """Whether element ``f`` is triangle ``f``, and nothing else."""
         return False
+
+    @property
+    def box(self) -> tuple[FloatArray, FloatArray]:
+        """The least and the greatest coordinates of all corners, (3,) float each, model units."""
+        used = self.vertices[self.corners]
+        return used.min(axis=0), used.max(axis=0)
 
     @cached_property
     def merged(self) -> IntArray:

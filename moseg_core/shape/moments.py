@@ -14,6 +14,7 @@ covariance of the solid.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -120,9 +121,36 @@ def _of_cells(grid: VoxelGrid, origin: FloatArray) -> Moments:
     Over one around c ``int x x^T`` is ``V (c c^T + sum e e^T / 12)``; for a cube of side h the sum
     is ``h^2`` times the identity.
     """
-    centers = grid.centers
-    local = centers - origin
+    return Moments(
+        points=cell_measure(grid, origin, "points"),
+        areas=cell_measure(grid, origin, "areas"),
+        first=cell_measure(grid, origin, "first"),
+        second=cell_measure(grid, origin, "second"),
+    )
+
+
+def cell_measure(
+    grid: VoxelGrid, origin: FloatArray, what: Literal["points", "areas", "first", "second"]
+) -> FloatArray:
+    """One of the moments of the cells of a solid (:class:`Moments`), without the others.
+
+    Parameters
+    ----------
+    grid : VoxelGrid
+    origin : (3,) float, model units
+    what : {"points", "areas", "first", "second"}
+    """
     volume = grid.cell_volume
+    if what == "areas":
+        return np.full(grid.n_elements, volume)
+    if what == "points":
+        return grid.centers
+    local = grid.centers - origin
+    if what == "first":
+        local *= volume
+        return local
     own = grid.steps.T @ grid.steps / 12.0
-    second = local[:, _I] * local[:, _J] + own[_I, _J]
-    return Moments(centers, np.full(len(centers), volume), volume * local, volume * second)
+    second = np.empty((len(local), 6))
+    for k, (i, j) in enumerate(zip(_I, _J, strict=True)):
+        second[:, k] = volume * (local[:, i] * local[:, j] + own[i, j])
+    return second

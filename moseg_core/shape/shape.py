@@ -239,12 +239,15 @@ class Shape(ShapeData):
     ) -> Shape:
         """From a geometry and what is known of it; measures the elements."""
         notes = [*geometry.notes, *notes]
-        used = geometry.vertices[geometry.corners]
-        low, high = used.min(axis=0), used.max(axis=0)
+        low, high = geometry.box
         scale = float(np.linalg.norm(high - low))
         frame = Frame((low + high) / 2.0, scale)
-        moments = element_moments(geometry, frame.center)
-        degenerate = without_area(geometry, moments.areas, scale)
+        if geometry.solid:  # measured when it is asked for: of many cells it takes much room
+            moments = None
+            degenerate = np.zeros(1, np.bool_)
+        else:
+            moments = element_moments(geometry, frame.center)
+            degenerate = without_area(geometry, moments.areas, scale)
         # A bounding box of no extent, or needles only: nothing to measure areas against.
         if scale == 0.0 or degenerate.all():
             raise ShapeError(
@@ -268,10 +271,10 @@ class Shape(ShapeData):
         if volume.note:
             notes = [*notes, volume.note]
         return cls(
-            points=moments.points,
-            areas=moments.areas,
-            first_moments=moments.first,
-            second_moments=moments.second,
+            points=moments and moments.points,
+            areas=moments and moments.areas,
+            first_moments=moments and moments.first,
+            second_moments=moments and moments.second,
             frame=frame,
             adjacency=adjacency,
             enclosed=volume,

@@ -24,13 +24,17 @@ import numpy as np
 import numpy.typing as npt
 
 from moseg_core.errors import ShapeError, UsageError, unknown
-from moseg_core.shape.geometry import Geometry
+from moseg_core.shape.geometry import ARRAYS, FARTHEST, Geometry
 from moseg_core.types import BoolArray, FloatArray, IntArray, frozen
 
 Elements = Literal["solid", "surface"]
 
 # The corners of a cell: those of number k are at the bits of k.
 _CORNERS = np.array([[k >> 2 & 1, k >> 1 & 1, k & 1] for k in range(8)])
+
+_MADE = (*ARRAYS, "cells")
+_OTHERS = ((1, 2), (0, 2), (0, 1))
+_SMALLEST = 1e-50
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -71,8 +75,59 @@ class VoxelGrid(Geometry):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        for array in (self.occupied, self.cells, self.steps, self.origin):
+        if self.cells is None:
+            object.__delattr__(self, "cells")
+        else:
+            frozen(self.cells)
+        for array in (self.occupied, self.steps, self.origin):
             frozen(array)
+
+    def __getattr__(self, name: str) -> Any:
+        # Asked only for what is not there: arrays of the elements, hundreds of bytes for each.
+        if name not in _MADE or "elements" not in self.__dict__:
+            raise AttributeError(f"'{type(self).__name__}' has no attribute '{name}'")
+        if name == "cells":
+            made = {"cells": np.argwhere(self.is_element)}
+        elif name == "offsets":
+            made = {"offsets": 8 * np.arange(self.n_elements + 1)}
+        elif name in ("vertices", "corners"):
+            vertices, corners = _corners(self.cells, self.occupied.shape)
+            made = {
+                "vertices": self.origin + _stepped(vertices, self.steps),
+                "corners": corners.reshape(-1),
+            }
+        else:
+            triangles, owner = _triangles(
+                self.cells, self.corners.reshape(-1, 8), _exposed(self.occupied)
+            )
+            if np.linalg.det(self.steps) < 0:  # a mirror image: counter-clockwise is clockwise
+                triangles = np.ascontiguousarray(triangles[:, ::-1])
+            made = {"triangles": triangles, "triangle_polygon": owner}
+        for key, array in made.items():
+            object.__setattr__(self, key, frozen(array))
+        return self.__dict__[name]
+
+    @cached_property
+    def is_element(self) -> BoolArray:
+        """(nx, ny, nz) bool: which cells are elements."""
+        if self.elements == "solid":
+            return self.occupied
+        return frozen(_exposed(self.occupied).any(axis=0))
+
+    @cached_property
+    def n_elements(self) -> int:  # type: ignore[override]  # remembered, since it is counted
+        """Number of elements, F."""
+        return int(np.count_nonzero(self.is_element))
+
+    @property
+    def box(self) -> tuple[FloatArray, FloatArray]:
+        """The least and the greatest coordinates of all corners, (3,) float each, model units."""
+        if not np.array_equal(self.steps, np.diag(np.diag(self.steps))):
+            return super().box
+        rows = [np.flatnonzero(self.is_element.any(axis=_OTHERS[axis])) for axis in range(3)]
+        ends = np.array([[row[0] for row in rows], [row[-1] + 1 for row in rows]])
+        places = self.origin + _stepped(ends, self.steps)
+        return places.min(axis=0), places.max(axis=0)
 
     @classmethod
     def from_occupied(
@@ -135,20 +190,10 @@ class VoxelGrid(Geometry):
             )
         if elements not in get_args(Elements):
             raise UsageError(unknown("kind of elements", str(elements), get_args(Elements)))
-        exposed = _exposed(filled)
-        cells = np.argwhere(filled if elements == "solid" else exposed.any(axis=0))
-        vertices, corners = _corners(cells, filled.shape)
-        triangles, owner = _triangles(cells, corners, exposed)
-        if np.linalg.det(steps) < 0:  # a mirror image: what ran counter-clockwise runs clockwise
-            triangles = np.ascontiguousarray(triangles[:, ::-1])
+        _refuse_unmeasurable(filled.shape, steps, corner)
         return cls(
-            vertices=corner + _stepped(vertices, steps),
-            corners=corners.reshape(-1),
-            offsets=8 * np.arange(len(cells) + 1),
-            triangles=triangles,
-            triangle_polygon=owner,
+            **dict.fromkeys(_MADE),  # type: ignore[arg-type]  # made when they are asked for
             occupied=filled,
-            cells=cells,
             steps=steps,
             origin=corner,
             elements=elements,
@@ -206,7 +251,7 @@ class VoxelGrid(Geometry):
         [[[7, -1, 8]]]
         """
         grid = np.full(self.occupied.shape, rest, values.dtype)
-        grid[tuple(self.cells.T)] = values
+        grid[self.is_element] = values
         return grid
 
 
@@ -227,6 +272,22 @@ def _steps(pitch: npt.ArrayLike) -> FloatArray | None:
     return np.diag(sides) if (sides > 0).all() else None
 
 
+def _refuse_unmeasurable(shape: tuple[int, ...], steps: FloatArray, corner: FloatArray) -> None:
+    """Refuse cells whose volume or place is no number that can be computed with."""
+    sides = np.abs(steps).max(axis=1)
+    reach = float((np.abs(corner) + np.abs(steps).T @ np.array(shape)).max())
+    if not sides.min() >= _SMALLEST or not reach <= FARTHEST:
+        raise ShapeError(
+            f"cells with sides of {', '.join(f'{side:.3g}' for side in sides)}, the grid's origin"
+            f" at {corner.tolist()}, are beyond what can be measured; repair or rescale the grid"
+        )
+    if sides.min() <= 8.0 * np.finfo(np.float64).eps * reach:
+        raise ShapeError(
+            f"cells with sides of {sides.min():.3g} cannot be told apart at {corner.tolist()}, so"
+            " far from the origin; repair the grid's place"
+        )
+
+
 def _stepped(places: npt.NDArray[Any], steps: FloatArray) -> FloatArray:
     """(n, 3) float: places in cells as places in space, from the grid's origin."""
     sides = np.diag(steps)
@@ -238,20 +299,21 @@ def _stepped(places: npt.NDArray[Any], steps: FloatArray) -> FloatArray:
 
 def _exposed(filled: BoolArray) -> BoolArray:
     """(6, nx, ny, nz) bool: faces with nothing behind them; along each axis first the lower one."""
-    padded = np.pad(filled, 1)
-    faces = []
+    faces = np.empty((6, *filled.shape), np.bool_)
     for axis in range(3):
-        for step in (1, -1):
-            behind = np.roll(padded, step, axis=axis)[1:-1, 1:-1, 1:-1]
-            faces.append(filled & ~behind)
-    return np.stack(faces)
+        along, lower = np.moveaxis(filled, axis, 0), np.moveaxis(faces[2 * axis], axis, 0)
+        upper = np.moveaxis(faces[2 * axis + 1], axis, 0)
+        lower[0], upper[-1] = along[0], along[-1]
+        np.greater(along[1:], along[:-1], out=lower[1:])
+        np.greater(along[:-1], along[1:], out=upper[:-1])
+    return faces
 
 
 def _corners(cells: IntArray, shape: tuple[int, ...]) -> tuple[IntArray, IntArray]:
     """Distinct corners of some cells as lattice points, and the (F, 8) numbers of each cell's."""
     size = np.array(shape) + 1
-    at = cells[:, None, :] + _CORNERS
-    code = np.ravel_multi_index(tuple(np.moveaxis(at, -1, 0)), tuple(size))
+    weights = np.array([size[1] * size[2], size[2], 1])
+    code = (cells @ weights)[:, None] + _CORNERS @ weights
     used = np.zeros(int(size.prod()), np.bool_)
     used[code] = True
     number = np.cumsum(used) - 1
