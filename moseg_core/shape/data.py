@@ -58,6 +58,7 @@ class Frame:
         """Unit coordinates to model units."""
         return points * self.scale + self.center
 
+
 #: What is measured of elements, and what it is called in their moments.
 _MEASURED: dict[str, Literal["points", "areas", "first", "second"]] = {
     "points": "points",

@@ -52,7 +52,7 @@ def nearest_points(points: FloatArray, count: int) -> tuple[FloatArray, IntArray
     crowded = sizes[place] > crowd
     distances = np.zeros((len(points), count))
     numbers = np.empty((len(points), count), np.int64)
-    # Itself, and those before and behind it in turn, so that each is among the nearest of the other.
+    # Itself, and those before and behind it in turn: each is then among the nearest of the other.
     steps = np.array([(k + 1) // 2 * (-1) ** k for k in range(count)])
     here = place[crowded, None]
     numbers[crowded] = order[starts[here] + (rank[crowded, None] + steps) % sizes[here]]

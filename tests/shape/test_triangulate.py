@@ -168,7 +168,7 @@ def test_polygons_of_all_sizes_in_one_mesh_keep_their_order_and_area():
 
 def test_a_polygon_that_would_take_too_long_is_refused():
     saw = [[k, 5.0 * (k % 2), 0.0] for k in range(30000)]
-    with pytest.raises(ShapeError, match="face 0, of 30002 corners, .* too often to be cut"):
+    with pytest.raises(ShapeError, match=r"face 0, of 30002 corners, .* too often to be cut"):
         cut([*saw, [30000.0, -1.0, 0.0], [-1.0, -1.0, 0.0]])
 
 

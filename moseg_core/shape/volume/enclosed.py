@@ -82,6 +82,9 @@ def _of_one_of_each(mesh: PolygonMesh, single: OneOfEach) -> Volume:
     """What the faces enclose that are left where of all in one place one is taken."""
     many = "all" if single.twins == mesh.n_polygons else f"{single.twins} of {mesh.n_polygons}"
     twins = f"{many} faces lie on another one, as for two sides of a surface"
+    if single.copies:
+        plural = "s" * (single.copies != 1)
+        twins = f"{single.copies} duplicate face{plural}, and {twins}"
     left = single.mesh(mesh)
     if not single.kept.any():
         return Volume.none(f"{twins}, and nothing else is there")

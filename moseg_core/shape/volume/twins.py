@@ -35,6 +35,8 @@ class OneOfEach:
     ----------
     twins : int
         How many faces lie on another one.
+    copies : int
+        How many lie on an earlier one that looks the same way.
     kept : (F,) bool
         The faces that stand for the surface.
     turned : (F,) bool
@@ -44,6 +46,7 @@ class OneOfEach:
     """
 
     twins: int
+    copies: int
     kept: BoolArray
     turned: BoolArray
     uses: EdgeUses
@@ -103,6 +106,7 @@ def one_of_each(mesh: PolygonMesh, uses: EdgeUses) -> OneOfEach | None:
     turned = _turned(mesh, uses.of_faces(kept, none), free, kept)
     return OneOfEach(
         twins=int((count[place] > 1).sum()),
+        copies=len(place) - len(np.unique(2 * place + (way > 0))),
         kept=kept,
         turned=turned,
         uses=uses.of_faces(kept, turned),
