@@ -111,8 +111,8 @@ class Adjacency:
             component = np.full(self.n_elements, -1, np.int64)
             return _flood(self.indptr, self.indices, component), component
         graph = self.matrix[elements][:, elements]
-        count, component = csgraph.connected_components(graph, directed=False)
-        return int(count), component.astype(np.int64)
+        count, found = csgraph.connected_components(graph, directed=False)
+        return int(count), found.astype(np.int64)
 
 
 @kernel
@@ -268,12 +268,12 @@ def grid_adjacency(grid: VoxelGrid) -> Adjacency:
         window = tuple(slice(k, k + size) for k, size in zip(step, shape, strict=True))
         return number[window][here]
 
-    place = np.zeros(n + 1, np.int64)
+    degree = np.zeros(n + 1, np.int64)
     for step in steps:
-        place[1:] += beside(step) >= 0
-    indptr = np.cumsum(place, out=place).astype(np.int32)
+        degree[1:] += beside(step) >= 0
+    indptr = np.cumsum(degree).astype(np.int32)
     indices = np.empty(int(indptr[-1]), np.int32)
-    place = place[:-1]
+    place = indptr[:-1].copy()
     for step in steps:
         found = beside(step)
         there = found >= 0

@@ -60,7 +60,7 @@ class Frame:
 
 
 #: What is measured of elements, and what it is called in their moments.
-_MEASURED: dict[str, Literal["points", "areas", "first", "second"]] = {
+MEASURED: dict[str, Literal["points", "areas", "first", "second"]] = {
     "points": "points",
     "areas": "areas",
     "first_moments": "first",
@@ -132,7 +132,7 @@ class ShapeData:
     file: str = ""
 
     def __post_init__(self) -> None:
-        for name in _MEASURED:
+        for name in MEASURED:
             array = getattr(self, name)
             if array is None:  # measured when it is first asked for
                 object.__delattr__(self, name)
@@ -142,9 +142,10 @@ class ShapeData:
 
     def __getattr__(self, name: str) -> Any:
         # Asked only for what is not there: of the cells of a solid, moments are a hundred bytes.
-        if name not in _MEASURED or not isinstance(self.__dict__.get("geometry"), VoxelGrid):
+        grid = self.__dict__.get("geometry")
+        if name not in MEASURED or not isinstance(grid, VoxelGrid):
             raise AttributeError(f"'{type(self).__name__}' has no attribute '{name}'")
-        array = frozen(cell_measure(self.geometry, self.frame.center, _MEASURED[name]))
+        array = frozen(cell_measure(grid, self.frame.center, MEASURED[name]))
         object.__setattr__(self, name, array)
         return array
 

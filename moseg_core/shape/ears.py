@@ -37,14 +37,16 @@ _ALONG = 32
 @kernel
 def _turn(plane: FloatArray, i: int, j: int, k: int) -> float:
     """Twice the signed area of the triangle at three corners."""
-    return (plane[j, 0] - plane[i, 0]) * (plane[k, 1] - plane[i, 1]) - (
+    turn: float = (plane[j, 0] - plane[i, 0]) * (plane[k, 1] - plane[i, 1]) - (
         plane[j, 1] - plane[i, 1]
     ) * (plane[k, 0] - plane[i, 0])
+    return turn
 
 
 @kernel
 def _same(plane: FloatArray, i: int, j: int) -> bool:
-    return plane[i, 0] == plane[j, 0] and plane[i, 1] == plane[j, 1]
+    same: bool = plane[i, 0] == plane[j, 0] and plane[i, 1] == plane[j, 1]
+    return same
 
 
 @kernel

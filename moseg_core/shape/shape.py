@@ -36,7 +36,7 @@ from moseg_core.shape.adjacency import (
     near_pairs,
 )
 from moseg_core.shape.cloud import PointCloud
-from moseg_core.shape.data import AdjacencySource, Frame, ShapeData
+from moseg_core.shape.data import MEASURED, AdjacencySource, Frame, ShapeData
 from moseg_core.shape.extent import without_area
 from moseg_core.shape.geometry import Geometry
 from moseg_core.shape.mesh import MOST_WELD, PolygonMesh
@@ -242,11 +242,12 @@ class Shape(ShapeData):
         low, high = geometry.box
         scale = float(np.linalg.norm(high - low))
         frame = Frame((low + high) / 2.0, scale)
-        if geometry.solid:  # measured when it is asked for: of many cells it takes much room
-            moments = None
-            degenerate = np.zeros(1, np.bool_)
-        else:
+        # Of the cells of a solid measured when it is asked for: of many it takes much room.
+        measured: dict[str, Any] = dict.fromkeys(MEASURED)
+        degenerate = np.zeros(1, np.bool_)
+        if not geometry.solid:
             moments = element_moments(geometry, frame.center)
+            measured = {name: getattr(moments, what) for name, what in MEASURED.items()}
             degenerate = without_area(geometry, moments.areas, scale)
         # A bounding box of no extent, or needles only: nothing to measure areas against.
         if scale == 0.0 or degenerate.all():
@@ -271,10 +272,7 @@ class Shape(ShapeData):
         if volume.note:
             notes = [*notes, volume.note]
         return cls(
-            points=moments and moments.points,
-            areas=moments and moments.areas,
-            first_moments=moments and moments.first,
-            second_moments=moments and moments.second,
+            **measured,
             frame=frame,
             adjacency=adjacency,
             enclosed=volume,

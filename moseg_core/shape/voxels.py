@@ -86,6 +86,7 @@ class VoxelGrid(Geometry):
         # Asked only for what is not there: arrays of the elements, hundreds of bytes for each.
         if name not in _MADE or "elements" not in self.__dict__:
             raise AttributeError(f"'{type(self).__name__}' has no attribute '{name}'")
+        made: dict[str, npt.NDArray[Any]]
         if name == "cells":
             made = {"cells": np.argwhere(self.is_element)}
         elif name == "offsets":
@@ -112,10 +113,10 @@ class VoxelGrid(Geometry):
         """(nx, ny, nz) bool: which cells are elements."""
         if self.elements == "solid":
             return self.occupied
-        return frozen(_exposed(self.occupied).any(axis=0))
+        return frozen(np.asarray(_exposed(self.occupied).any(axis=0)))
 
     @cached_property
-    def n_elements(self) -> int:  # type: ignore[override]  # remembered, since it is counted
+    def n_elements(self) -> int:
         """Number of elements, F."""
         return int(np.count_nonzero(self.is_element))
 
