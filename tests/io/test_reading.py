@@ -32,6 +32,7 @@ def test_a_grid_is_read_as_is_said(grid):
         Reading(),
         Reading(pitch=(1.0, 2.0, 3.0), up="-x"),
         Reading(adjacency="knn", volume="3.5", weld=0.0, voxels="surface"),
+        Reading(limit=("cells=none", "columns=5")),
     ],
 )
 def test_there_and_back(reading):
