@@ -73,8 +73,12 @@ class Watch(AbstractContextManager[None]):
         if self._process != os.getpid():  # the first call here, or here since a fork
             self._process = os.getpid()
             self._ended = threading.Event()
-            self._thread = threading.Thread(target=self._watch, name="moseg-watch", daemon=True)
-            self._thread.start()
+            thread = threading.Thread(target=self._watch, name="moseg-watch", daemon=True)
+            self._thread = thread
+            try:
+                thread.start()
+            except RuntimeError:  # the system makes no thread: nothing is spoken of
+                self._thread = None
 
     def __exit__(
         self,

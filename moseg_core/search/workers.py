@@ -3,10 +3,14 @@
 The starts of a run do not depend on each other, and the libraries that the objectives spend their
 time in do not run on two threads at once; so they go to processes. These are copies of the
 running one (``fork``), made when there is first something to do: shape, problem and components
-need no pickling to get there, only results do to come back. No thread of moseg runs meanwhile: a
-copy has the locks that other threads hold, and not the threads that would let go of them. Where the
-system cannot fork, or one process is asked for, everything is done in this one, one thing after the
-other.
+need no pickling to get there, only results do to come back. Where the system cannot fork, or it
+would be unsafe now (:mod:`moseg_core.search.forking`), or one process is asked for, everything is
+done in this one, one thing after the other; a warning says why, where more were asked for.
+
+A process that is killed, say by a system that has run out of memory, takes nothing along but time:
+its task is done again, by another. In place of those that were lost others are made when there is
+next something to do, or none is left; so what has eaten the memory is tried again beside fewer.
+A task that kills its process twice is an error, which names the component at work.
 
 Anything else that is done many times can be shared among them likewise, such as the models of a
 collection; so :class:`Workers` is public. Tasks are functions that take ``report`` by keyword.
@@ -23,6 +27,7 @@ import signal
 import traceback
 import warnings
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from multiprocessing.connection import Connection, wait
 from types import TracebackType
@@ -34,6 +39,8 @@ from moseg_core.components.profile import is_profiling
 from moseg_core.components.protocols import Progress, Report
 from moseg_core.errors import MosegError, PluginError
 from moseg_core.problem.slow_calls import rest
+from moseg_core.search.answer_record import current_record
+from moseg_core.search.forking import can_fork, hindrance
 from moseg_core.shape.row_threads import available_processors
 
 Task = Callable[..., Any]
@@ -46,11 +53,6 @@ Enough = Callable[[int, Any], bool]
 def available_workers() -> int:
     """Processors that this process may use, where the system tells; all of them elsewhere."""
     return available_processors()
-
-
-def can_fork() -> bool:
-    """Whether processes can be copied here."""
-    return "fork" in multiprocessing.get_all_start_methods()
 
 
 #: Seconds that a process has to end after it was told to.
@@ -91,6 +93,9 @@ class Workers:
         self._workers: list[_Worker] = []
         self._stopped = False
         self._flag: Any = None
+        self._told = False
+        #: Copies hand on what they add to it.
+        self._record = current_record()
 
     def __enter__(self) -> Self:
         return self
@@ -130,38 +135,77 @@ class Workers:
         Raises
         ------
         MosegError
-            A process died. Whatever a task raises is raised here.
+            A task has cost two processes their lives. Whatever a task raises is raised here.
+
+        Warns
+        -----
+        RuntimeWarning
+            A process was lost, and its task is done again; or there are fewer than asked for.
         """
         # A single task goes to another process too where that may be lost, and this one may not.
         least = 1 if is_apart() and not is_profiling() and can_fork() else 2
         if min(self._count, len(arguments)) < least:
             return self._alone(name, arguments, enough)
-        self._fork()
+        self._tell(self._make_up(self._count))
+        if not self._workers:
+            return self._alone(name, arguments, enough)
         self._flag.value = 0
         done: dict[int, Any] = {}
+        lost: dict[int, _Loss] = {}
         waiting = list(range(len(arguments)))
         ended = self._stopped
         shown: Progress | None = None
         while True:
+            if ended:  # what was begun, and lost, is begun again, and asked to stop at once
+                waiting = [k for k in waiting if k in lost]
+            if waiting and not self._workers and (reason := self._make_up(1)):
+                for k in waiting:
+                    if k in lost and not lost[k].from_outside:
+                        raise lost[k].error()  # it would take this process along
+                self._tell(reason)
+                for k in waiting:
+                    done |= zip([k], self._alone(name, [arguments[k]], None), strict=False)
+                    if k in done and enough is not None and enough(k, done[k]):
+                        break
+                return [done[k] for k in sorted(done)]
             for worker in self._workers:
-                if worker.task < 0 and waiting and not ended:
+                if worker.task < 0 and waiting:
                     worker.task = waiting.pop(0)
-                    self._send(worker, (name, arguments[worker.task]))
+                    with suppress(OSError):  # of one that is no more nothing will come either
+                        worker.pipe.send((name, arguments[worker.task]))
             busy = [worker for worker in self._workers if worker.task >= 0]
             if not busy:
                 return [done[k] for k in sorted(done)]
             for pipe in wait([worker.pipe for worker in busy]):
                 worker = next(worker for worker in busy if worker.pipe is pipe)
-                progress, result = self._receive(worker)
-                if progress is not None:
+                try:
+                    kind, content = worker.pipe.recv()
+                except (EOFError, OSError):
+                    task, loss = worker.task, self._removed(worker)
+                    if task in lost:
+                        raise loss.error() from None
+                    lost[task] = loss
+                    waiting.insert(0, task)
+                    busy = [other for other in busy if other is not worker]
+                    _warn(f"{loss.told}; what it did is done again")
+                    continue
+                if kind == "answers":
+                    assert self._record is not None  # or none would be sent
+                    self._record.receive(content)
+                    continue
+                if kind == "error":
+                    failure, cause = content
+                    raise failure from cause
+                if kind == "progress":
                     # Shown is the first task's progress; to stop, any message is an occasion.
                     first = worker.task == min(other.task for other in busy if other.task >= 0)
-                    shown = progress if first or shown is None else bettered(shown, progress)
+                    shown = content if first or shown is None else bettered(shown, content)
                     self._stopped = self._report(shown) or self._stopped
                 else:
-                    done[worker.task] = result
-                    if enough is not None and enough(worker.task, result):
-                        ended = True
+                    done[worker.task] = content
+                    self._write()
+                    if enough is not None and enough(worker.task, content):
+                        ended, waiting = True, []
                     worker.task = -1
                 if self._stopped or ended:
                     ended, self._flag.value = True, 1
@@ -180,50 +224,82 @@ class Workers:
             if self._stopped:
                 break
             done.append(self._tasks[name](*given, report=listen))
+            self._write()
             if enough is not None and enough(k, done[-1]):
                 break
         return done
 
-    def _fork(self) -> None:
-        """Make the processes, where that has not been done."""
-        if self._workers:
-            return
+    def _write(self) -> None:
+        """Write what a task has added to the record, where one is kept."""
+        if self._record is not None:
+            self._record.write()
+
+    def _make_up(self, count: int) -> str:
+        """Make processes until there are so many; why there are fewer, where there are."""
+        for worker in self._workers[:]:
+            if not worker.process.is_alive():
+                self._removed(worker)
+        if len(self._workers) >= count:
+            return ""
         rest()
+        reason = hindrance()
+        try:
+            while not reason and len(self._workers) < count:
+                self._workers.append(self._made())
+                reason = hindrance()
+        except OSError as error:
+            reason = f"the system makes no process: {error.strerror or error}"
+        return reason if len(self._workers) < count else ""
+
+    def _tell(self, reason: str) -> None:
+        """Tell once why there are fewer processes than asked for."""
+        if reason and not self._told and self._count > 1:
+            self._told = True
+            number = f"{len(self._workers) or 'this'} process{'es' * (len(self._workers) > 1)}"
+            _warn(f"{reason}; everything is done by {number}, with the same result")
+
+    def _made(self) -> _Worker:
+        """Another process.
+
+        Raises
+        ------
+        OSError
+            The system does not make one.
+        """
         context = multiprocessing.get_context("fork")
-        self._flag = context.RawValue("b", 0)
-        for _ in range(self._count):
-            mine, theirs = context.Pipe()
+        if self._flag is None:
+            self._flag = context.RawValue("b", 0)
+        memory = context.RawArray("c", SIZE)
+        mine, theirs = context.Pipe()
+        ours = [*(worker.pipe for worker in self._workers), mine]
+        process = context.Process(
+            target=_serve, args=(self._tasks, theirs, ours, self._flag, memory), daemon=True
+        )
+        try:
             # Python from 3.12 on warns of locks that other threads might hold. None of ours runs
-            # now: the watch rests, and the command line draws its progress bars without a thread
-            # (moseg_core.cli.console). Libraries that keep threads (BLAS) look after themselves.
+            # now: the watch rests, the command line draws its progress bars without a thread
+            # (moseg_core.cli.console), and others were looked for. Libraries that keep threads
+            # (BLAS) look after themselves.
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", DeprecationWarning)
-                ours = [*(worker.pipe for worker in self._workers), mine]
-                memory = context.RawArray("c", SIZE)
-                process = context.Process(
-                    target=_serve, args=(self._tasks, theirs, ours, self._flag, memory), daemon=True
-                )
                 process.start()
+        except OSError:
+            mine.close()
+            raise
+        finally:
             theirs.close()
-            self._workers.append(_Worker(process, mine, memory))
+        return _Worker(process, mine, memory)
 
-    def _send(self, worker: _Worker, task: tuple[str, tuple[Any, ...]]) -> None:
-        """Give a worker something to do."""
-        try:
-            worker.pipe.send(task)
-        except OSError as error:
-            raise _lost(worker) from error
-
-    def _receive(self, worker: _Worker) -> tuple[Progress | None, Any]:
-        """What a worker sends: progress, or a result."""
-        try:
-            kind, content = worker.pipe.recv()
-        except (EOFError, OSError) as error:
-            raise _lost(worker) from error
-        if kind == "error":
-            failure, cause = content
-            raise failure from cause
-        return (content, None) if kind == "progress" else (None, content)
+    def _removed(self, worker: _Worker) -> _Loss:
+        """Take leave of a process that is no more, and tell how it ended."""
+        self._workers.remove(worker)
+        worker.pipe.close()
+        worker.process.join(_PATIENCE)
+        loss = _Loss(worker.process.exitcode, noted(worker.memory))
+        if loss.code is None:  # it lives, and says nothing any more
+            worker.process.kill()
+            worker.process.join(_PATIENCE)
+        return loss
 
 
 def bettered(shown: Progress, other: Progress) -> Progress:
@@ -233,16 +309,48 @@ def bettered(shown: Progress, other: Progress) -> Progress:
     return replace(shown, best=min(shown.best, other.best))
 
 
-def _lost(worker: _Worker) -> MosegError:
-    """The error about a process that is no more."""
-    worker.process.join(_PATIENCE)
-    code = worker.process.exitcode
-    why = f"exit code {code}" if code is None or code >= 0 else f"signal {-code}"
-    component = noted(worker.memory)
-    during = f" while {component} was at work" if component else ""
-    return MosegError(
-        f"a worker process ended early ({why}){during}; with one worker there is none to lose"
-    )
+@dataclass(frozen=True)
+class _Loss:
+    """How a process ended.
+
+    Parameters
+    ----------
+    code : int or None
+        Its exit code, that of a signal with a minus; None where it only fell silent.
+    component : str
+        What was at work; empty where that is not known.
+    """
+
+    code: int | None
+    component: str
+
+    @property
+    def from_outside(self) -> bool:
+        """Whether somebody else ended it, as far as its exit code tells."""
+        return self.code is not None and -self.code in (signal.SIGKILL, signal.SIGTERM)
+
+    @property
+    def told(self) -> str:
+        """In words."""
+        why = "it fell silent" if self.code is None else f"exit code {self.code}"
+        if self.code is not None and self.code < 0:
+            why = f"signal {-self.code}"
+        if self.code == -signal.SIGKILL:
+            why += "; memory may have run out"
+        during = f" while {self.component} was at work" if self.component else ""
+        return f"a worker process ended early ({why}){during}"
+
+    def error(self) -> MosegError:
+        """The error where that is the end of the run."""
+        return MosegError(
+            f"{self.told}, and so did another at the same task; with one worker there is none to"
+            f" lose"
+        )
+
+
+def _warn(text: str) -> None:
+    """Tell of something that changes the time and not the result."""
+    warnings.warn(text, RuntimeWarning, stacklevel=2)
 
 
 def _serve(
@@ -267,7 +375,14 @@ def _serve(
     for other in others:
         other.close()
 
+    record = current_record()
+
+    def hand_on(*, all: bool) -> None:
+        if record is not None and (added := record.take(all=all)):
+            pipe.send(("answers", added))
+
     def report(progress: Progress) -> bool:
+        hand_on(all=False)
         pipe.send(("progress", progress))
         return bool(flag.value)
 
@@ -282,6 +397,7 @@ def _serve(
             error.add_note("".join(traceback.format_exception(error)))
             answer = ("error", (error, sendable_cause(error)))
         try:
+            hand_on(all=True)
             pipe.send_bytes(_packed(answer))
         except OSError:  # nobody is there any more
             return

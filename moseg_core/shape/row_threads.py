@@ -49,7 +49,11 @@ def over_rows(work: Callable[[int, int], None], count: int, *, seconds: float) -
         return
     ends = [count * k // threads for k in range(threads + 1)]
     with ThreadPoolExecutor(threads - 1) as pool:  # this thread has a share too
-        others = [pool.submit(work, *ends[k : k + 2]) for k in range(1, threads)]
+        try:
+            others = [pool.submit(work, *ends[k : k + 2]) for k in range(1, threads)]
+        except RuntimeError:  # the system makes no thread: this one does it all
+            pool.shutdown(cancel_futures=True)
+            others, ends = [], [0, count]
         work(*ends[:2])
         for other in others:
             other.result()

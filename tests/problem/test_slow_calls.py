@@ -123,3 +123,15 @@ def test_a_watch_that_rests_has_no_thread_until_the_next_call():
 
 def test_without_a_watch_there_is_nothing_to_rest():
     rest()
+
+
+def test_where_the_system_makes_no_thread_calls_go_on(monkeypatch):
+    def none_left(thread):
+        raise RuntimeError("can't start new thread")
+
+    monkeypatch.setattr(threading.Thread, "start", none_left)
+    with naming_slow_calls(print, after=0.01):
+        with under_watch("a call"):
+            done = True
+        rest()
+    assert done

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import multiprocessing
 import os
 import signal
 import subprocess
 import sys
 import time
+import warnings
 from pathlib import Path
 
 import pytest
@@ -80,15 +82,112 @@ def test_results_that_cannot_be_sent_are_the_components_fault():
         workers.map("secret", [(0,), (1,)])
 
 
-def test_a_process_that_dies_is_noticed():
+def test_a_task_that_kills_its_process_twice_is_an_error():
     def die(k, *, report):
         os.kill(os.getpid(), signal.SIGKILL)
 
     with (
         Workers({"die": die}, 2, never_stop) as workers,
-        pytest.raises(MosegError, match=r"ended early \(signal 9\)"),
+        pytest.warns(RuntimeWarning, match=r"signal 9; memory may have run out.*done again"),
+        pytest.raises(MosegError, match=r"ended early \(signal 9.*and so did another"),
     ):
         workers.map("die", [(0,), (1,)])
+
+
+@pytest.mark.parametrize("lost", [[0], [3], [0, 1], [1, 2, 5]])
+def test_what_a_lost_process_did_is_done_again(lost, tmp_path):
+    def once(k, *, report):
+        if k in lost and not (tmp_path / str(k)).exists():
+            (tmp_path / str(k)).touch()
+            os.kill(os.getpid(), signal.SIGKILL)
+        report(Progress(stage="work", done=k))
+        return k * k
+
+    with Workers({"once": once}, 2, never_stop) as workers:
+        with pytest.warns(RuntimeWarning, match="what it did is done again"):
+            assert workers.map("once", [(k,) for k in range(6)]) == [k * k for k in range(6)]
+        assert workers.map("once", [(7,), (8,)]) == [49, 64]  # by two again, without a word
+
+
+def test_a_task_lost_after_the_stop_begins_again_and_stops(tmp_path):
+    """Whoever asks for the first result must not be left without it."""
+
+    def stubborn(k, *, report):
+        while not report(Progress(stage="work", done=k)):
+            time.sleep(0.001)
+        if k == 0 and not (tmp_path / "lost").exists():
+            (tmp_path / "lost").touch()
+            os.kill(os.getpid(), signal.SIGKILL)
+        return k
+
+    with (
+        Workers({"stubborn": stubborn}, 2, lambda progress: True) as workers,
+        pytest.warns(RuntimeWarning, match="done again"),
+    ):
+        assert workers.map("stubborn", [(k,) for k in range(4)]) == [0, 1]
+
+
+def two_at_most(workers, monkeypatch):
+    """Let the system make two processes, and then no more."""
+    made, make = [], workers._made
+
+    def at_first():
+        if len(made) == 2:
+            raise BlockingIOError(11, "Resource temporarily unavailable")
+        made.append(1)
+        return make()
+
+    monkeypatch.setattr(workers, "_made", at_first)
+
+
+def test_where_no_process_can_be_made_again_this_one_does_the_rest(monkeypatch):
+    def unlucky(k, *, report):
+        if multiprocessing.parent_process() is not None:
+            os.kill(os.getpid(), signal.SIGKILL)
+        return k * k
+
+    with Workers({"unlucky": unlucky}, 2, never_stop) as workers:
+        two_at_most(workers, monkeypatch)
+        with warnings.catch_warnings(record=True) as told:
+            warnings.simplefilter("always")
+            assert workers.map("unlucky", [(k,) for k in range(5)]) == [0, 1, 4, 9, 16]
+    assert "makes no process: Resource temporarily unavailable; everything is done by this" in str(
+        told[-1].message
+    )
+
+
+def test_what_crashed_by_itself_is_not_tried_in_this_process(monkeypatch):
+    def crash(k, *, report):
+        os.kill(os.getpid(), signal.SIGSEGV)
+
+    with Workers({"crash": crash}, 2, never_stop) as workers:
+        two_at_most(workers, monkeypatch)
+        with (
+            pytest.warns(RuntimeWarning, match="signal 11"),
+            pytest.raises(MosegError, match="signal 11"),
+        ):
+            workers.map("crash", [(0,), (1,)])
+
+
+def test_fewer_processes_than_asked_for_are_told_of_once(monkeypatch):
+    def who(*, report):
+        return os.getpid()
+
+    with Workers({"who": who}, 3, never_stop) as workers:
+        made, make = [], workers._made
+
+        def one():
+            if made:
+                raise OSError(24, "Too many open files")
+            made.append(1)
+            return make()
+
+        monkeypatch.setattr(workers, "_made", one)
+        with pytest.warns(RuntimeWarning, match="Too many open files; .* by 1 process, with"):
+            found = workers.map("who", [()] * 4)
+        assert len(set(found)) == 1
+        assert os.getpid() not in found
+        assert workers.map("who", [()] * 4) == found
 
 
 @pytest.mark.parametrize("count", [1, 2])
@@ -124,16 +223,16 @@ def test_one_silent_task_does_not_keep_the_others_from_stopping():
         assert workers.map("uneven", [(0,), (1,)]) == ["silent", "stopped"]
 
 
-def test_an_idle_process_that_dies_is_noticed_too():
+def test_an_idle_process_that_dies_is_replaced():
     def who(*, report):
         return os.getpid()
 
     with Workers({"who": who}, 2, never_stop) as workers:
-        for process in set(workers.map("who", [()] * 4)):
+        before = set(workers.map("who", [()] * 4))
+        for process in before:
             os.kill(process, signal.SIGKILL)
         time.sleep(0.2)
-        with pytest.raises(MosegError, match=r"ended early \(signal 9\)"):
-            workers.map("who", [(), ()])
+        assert before.isdisjoint(workers.map("who", [(), ()]))
 
 
 def test_processes_end_even_if_this_one_does_not_when_told_to():
@@ -203,7 +302,10 @@ def test_a_single_task_is_done_elsewhere_where_this_process_may_not_be_lost():
     tasks = {"where": lambda report: os.getpid(), "die": lambda report: os.kill(os.getpid(), 9)}
     with crashes_apart(), Workers(tasks, 1, never_stop) as workers:
         assert workers.map("where", [()]) != [os.getpid()]
-        with pytest.raises(MosegError, match="signal 9"):
+        with (
+            pytest.warns(RuntimeWarning, match="done again"),
+            pytest.raises(MosegError, match="signal 9"),
+        ):
             workers.map("die", [()])
     with crashes_apart(), profiling(), Workers(tasks, 1, never_stop) as workers:
         assert workers.map("where", [()]) == [os.getpid()]
@@ -222,6 +324,7 @@ def test_the_component_that_a_process_died_in_is_named():
 
     with (
         Workers({"crash": crash}, 2, never_stop) as workers,
+        pytest.warns(RuntimeWarning, match="done again"),
         pytest.raises(
             MosegError,
             match=r"ended early \(signal 11\) while objective 'strange:crash' of moseg-strange 2\.0"

@@ -73,3 +73,21 @@ def test_no_more_threads_than_libraries_are_allowed(monkeypatch, said, count):
     stretches = []
     over_rows(lambda first, end: stretches.append((first, end)), 6, seconds=1.0)
     assert len(stretches) == count
+
+
+@pytest.mark.parametrize("possible", [0, 1])
+def test_where_the_system_makes_no_thread_this_one_does_it(monkeypatch, possible):
+    monkeypatch.setattr(row_threads, "available_processors", lambda: 4)
+    started, start = [], threading.Thread.start
+
+    def none_left(thread):
+        if len(started) == possible:
+            raise RuntimeError("can't start new thread")
+        started.append(thread)
+        start(thread)
+
+    monkeypatch.setattr(threading.Thread, "start", none_left)
+    done = []
+    over_rows(lambda first, end: done.extend(range(first, end)), 8, seconds=1.0)
+    assert set(done) == set(range(8))
+    assert done[-8:] == list(range(8))

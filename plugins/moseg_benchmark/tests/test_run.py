@@ -170,7 +170,9 @@ CUPS = ("psb", "--category", "Cup", "--recipe-for", "none", "--workers", "2")
 SHOWN = re.compile(r"^moseg: \[\d/4\] Cup (\d+) ([\w-]+)", re.MULTILINE)
 
 
-def test_a_lost_process_ends_the_run_and_what_was_done_is_kept(psb, tmp_path, capsys, monkeypatch):
+def test_a_process_lost_twice_ends_the_run_and_what_was_done_is_kept(
+    psb, tmp_path, capsys, monkeypatch
+):
     def lost(case, *, report):
         if case.key == "25-k-means-0":
             os._exit(7)
@@ -178,9 +180,10 @@ def test_a_lost_process_ends_the_run_and_what_was_done_is_kept(psb, tmp_path, ca
 
     monkeypatch.setattr("moseg_benchmark.run.run_case", lost)
     words = (*CUPS[1:], "--data", psb, "--resume", "-o", tmp_path / "r")
-    code, _, err = call(capsys, *words)
+    with pytest.warns(RuntimeWarning, match="ended early"):
+        code, _, err = call(capsys, *words)
     assert code == 1
-    assert "a worker process ended early (exit code 7)" in err
+    assert "a worker process ended early (exit code 7), and so did another" in err
     done = set(SHOWN.findall(err))
     assert len(done) >= 2  # of four, two are under way at most
     monkeypatch.undo()
