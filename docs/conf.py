@@ -54,7 +54,7 @@ ORDER = {
         *("/how_to/words", "/how_to/mend"),
         *("/how_to/modeller", "/how_to/biologist", "/how_to/roboticist", "/how_to/doctor"),
         *("/learning", "/steering", "/tuning", "/symmetry", "/embedding", "/surfaces"),
-        *("/hierarchy", "/variants", "/clipping", "/batch"),
+        *("/hierarchy", "/variants", "/clipping", "/batch", "/checkpoints"),
     ],
     "reference": [
         *("/language", "/objectives", "/components", "/cli", "/generated/index"),

@@ -77,6 +77,7 @@ from moseg_core.io import read_labels as read_labels
 from moseg_core.io import save as save
 from moseg_core.io import save_labels as save_labels
 from moseg_core.io import write_file as write_file
+from moseg_core.io.checkpoint import checkpointing as checkpointing
 from moseg_core.io.part_files import part_meshes as part_meshes
 from moseg_core.io.read.limits import ReadLimits as ReadLimits
 from moseg_core.io.reading import Reading as Reading

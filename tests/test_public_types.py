@@ -22,6 +22,7 @@ import moseg_core.types
 #: Types that a caller need not name, and why.
 NEED_NO_NAME = {
     "BoundTerm": "a term with its objectives found: made and read within the core",
+    "Checkpoint": "what `checkpointing` yields: its counts are read, it is never made by a caller",
     "Constraints": "the problem's constraints as one: made and read within the core",
     "Expression": "what text was read into: a caller writes the text",
     "FunctionConstraint": "what the decorator makes: a Constraint",

@@ -13,6 +13,7 @@ from moseg_core.cli.collection import importing
 from moseg_core.cli.examples import show_examples
 from moseg_core.cli.flags import (
     BatchFlags,
+    CheckpointFlags,
     Flag,
     PartFlags,
     ProblemFlags,
@@ -50,6 +51,7 @@ _DEFAULT_SEARCH = SearchFlags()
 _NO_STEERING = SteeringFlags()
 _PARTS_AS_CUT = PartFlags()
 _NO_LIMITS = BatchFlags()
+_NO_CHECKPOINT = CheckpointFlags()
 
 
 @app.command
@@ -61,6 +63,7 @@ def segment(
     reading: ShapeFlags = _SHAPE_AS_READ,
     search: SearchFlags = _DEFAULT_SEARCH,
     steering: SteeringFlags = _NO_STEERING,
+    long_run: CheckpointFlags = _NO_CHECKPOINT,
     clip: Flag = False,
     out: Outputs = None,
     part_files: PartFlags = _PARTS_AS_CUT,
@@ -113,6 +116,7 @@ def segment(
             reading=reading,
             search=replace(search, workers=1) if profile else search,
             steering=steering,
+            long_run=long_run,
             clipped=clip,
             outputs=out or [],
             part_flags=part_files,

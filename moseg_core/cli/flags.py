@@ -23,6 +23,7 @@ _SEARCHED = Group.create_ordered("How to search")
 _KNOWN = Group.create_ordered("What is known of this shape")
 _PARTS = Group.create_ordered("Files of single parts")
 _LIMITED = Group.create_ordered("What each shape may take, and what is done again")
+_LONG = Group.create_ordered("Long runs")
 
 
 @Parameter(name="*", group=_LOOKED_FOR)
@@ -238,3 +239,24 @@ class BatchFlags:
     memory: float | None = None
     resume: Flag = False
     retry_failed: Flag = False
+
+
+@Parameter(name="*", group=_LONG)
+@dataclass(frozen=True, kw_only=True)
+class CheckpointFlags:
+    """What is kept of a run that may be stopped.
+
+    Parameters
+    ----------
+    checkpoint
+        Keep what is computed in this file, for --resume.
+    resume
+        Go on from a checkpoint; the result is that of a run that was never stopped, to the byte.
+        With the same --checkpoint it is begun where the file is not there yet.
+    checkpoint_every
+        Seconds from one time that the checkpoint is written to the next.
+    """
+
+    checkpoint: Path | None = None
+    resume: Path | None = None
+    checkpoint_every: float = 30.0

@@ -23,6 +23,7 @@ from moseg_core.cli.console import (
     progress_reporter,
 )
 from moseg_core.cli.flags import (
+    CheckpointFlags,
     PartFlags,
     SearchedProblemFlags,
     SearchFlags,
@@ -30,6 +31,7 @@ from moseg_core.cli.flags import (
     SteeringFlags,
 )
 from moseg_core.cli.interrupt import stop_on_interrupt
+from moseg_core.cli.long_run import checkpoint_path, how_to_go_on, keeping_checkpoint
 from moseg_core.cli.reading import read_shape
 from moseg_core.cli.request import (
     centered,
@@ -74,6 +76,7 @@ def run_segment(
     reading: ShapeFlags,
     search: SearchFlags,
     steering: SteeringFlags,
+    long_run: CheckpointFlags,
     clipped: bool,
     outputs: list[Path],
     part_flags: PartFlags,
@@ -120,6 +123,7 @@ def run_segment(
     )
     labels = [each.problem.labels for each in variants.tasks]
     check_outputs(outputs, form, read=[path], labels=labels)
+    checkpoint = checkpoint_path(long_run, [path, *outputs])
 
     started = time.monotonic()
     with timed("stage", "read"):
@@ -142,13 +146,14 @@ def run_segment(
     for note in shape.notes:
         message(f"{path.name}: {note}", quiet=quiet)
     failed: list[MosegError] = []
-    with stop_on_interrupt(wanted=bool(outputs)) as stop:
+    with stop_on_interrupt(wanted=bool(outputs) or checkpoint is not None) as stop:
         with (
             working_folder_kept(),
             progress_reporter(quiet=quiet) as show,
             naming_slow_calls(partial(_report_slow_call, quiet=quiet), after=PATIENCE),
             limiting_calls(term_timeout),
             others_on_stderr(),
+            keeping_checkpoint(long_run, checkpoint, quiet=quiet),
         ):
             try:
                 if problem_flags.parts is not None:
@@ -203,6 +208,8 @@ def run_segment(
         message(f"constraints leave {free} of {whole} dimensions to search", quiet=quiet)
     wrote = f"; wrote {', '.join(written)}" if written else ""
     message(f"{time.monotonic() - started:.1f} s{wrote}", quiet=quiet)
+    if checkpoint is not None and result.reason in ("interrupted", "seconds"):
+        message(how_to_go_on(checkpoint), quiet=quiet)
     failures += failed
     try:
         if as_json:

@@ -9,7 +9,7 @@ lower bounds in that same sum gives a lower bound of the cost to the last bit;
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from moseg_core.components.cost import Cost
@@ -144,6 +144,38 @@ def evaluate_segmentation(
     """
     empty = empty_parts(terms, segmentation)
     values: Values = [term_values(term, segmentation, empty, labels) for term in terms]
+
+    def details(term: BoundTerm, call: tuple[int, ...]) -> tuple[Detail, ...]:
+        return call_details(term, call, segmentation) if detailed else ()
+
+    return evaluation_of(terms, labels, values, empty, broken_pins=broken_pins, details=details)
+
+
+def evaluation_of(
+    terms: Sequence[BoundTerm],
+    labels: Sequence[str],
+    values: Values,
+    empty: Sequence[bool],
+    *,
+    broken_pins: int = 0,
+    details: Callable[[BoundTerm, tuple[int, ...]], tuple[Detail, ...]] | None = None,
+) -> Evaluation:
+    """The evaluation that values of all calls make.
+
+    Parameters
+    ----------
+    terms : sequence of BoundTerm
+    labels : sequence of str
+        Name of each part.
+    values : list of list of float or None
+        Per term and call.
+    empty : sequence of bool
+        Which parts are empty.
+    broken_pins : int
+        To be counted with the empty parts.
+    details : callable, optional
+        What the value of a call comes from.
+    """
     reported = tuple(
         TermValue(
             text=term.term.call,
@@ -153,9 +185,7 @@ def evaluate_segmentation(
                 CallValue(
                     labels=tuple(labels[k] for k in call),
                     value=value,
-                    details=call_details(term, call, segmentation)
-                    if detailed and value is not None
-                    else (),
+                    details=() if details is None or value is None else details(term, call),
                 )
                 for call, value in zip(term.calls, row, strict=True)
             ),

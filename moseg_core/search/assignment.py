@@ -10,7 +10,9 @@ vectorised form are evaluated for all parts of several labellings at once (:func
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
@@ -20,6 +22,7 @@ from moseg_core.components.segmentation import Segmentation
 from moseg_core.problem.calls import all_empty_parts, call_value, empty_parts, vectorized_values
 from moseg_core.problem.constraints import Group
 from moseg_core.problem.problem import Problem
+from moseg_core.search.answer_record import NO_RECORD, Answers
 from moseg_core.shape.pins import NO_PINS, Pins
 from moseg_core.types import BoolArray, FloatArray, IntArray
 
@@ -63,6 +66,8 @@ class UnaryCosts:
         An assignment that breaks fewer of them is better whatever it costs.
     vectorized : mapping, optional
         From :func:`unary_values`, where that was asked of several segmentations at once.
+    answers : Answers
+        Where entries may be known from.
 
     Attributes
     ----------
@@ -80,11 +85,10 @@ class UnaryCosts:
         pins: Pins = NO_PINS,
         *,
         vectorized: TermValues | None = None,
+        answers: Answers = NO_RECORD,
     ) -> None:
         n = len(problem.labels)
-        if vectorized is None:
-            vectorized = unary_values(problem, segmentation.labelling)[0]
-        self._vectorized = vectorized
+        self._problem, self._given, self._answers = problem, vectorized, answers
         self._broken = pins.broken_by_part(segmentation.level_labels, n)
         self._segmentation = segmentation
         self._empty = empty_parts(problem.terms, segmentation)
@@ -94,16 +98,38 @@ class UnaryCosts:
         ]
         # Should an objective fail: the part that it fails on has no label yet.
         self._names = ["a part without a label yet"] * n
-        self.lower: FloatArray = np.zeros((n, n))
-        self.known: BoolArray = np.zeros((n, n), np.bool_)
-        for part in range(n):
-            for label in range(n):
-                self._update(part, label, everything=False)
+        #: A digest of the labelling, which may be long.
+        labels = hashlib.blake2b(segmentation.level_labels.tobytes(), digest_size=16)
+        self._labels = np.frombuffer(labels.digest(), np.uint8)
+        first = answers.numbers("unary", [self._labels], self._first)
+        self.lower: FloatArray = first[: n * n].reshape(n, n).copy()
+        self.known: BoolArray = first[n * n :].reshape(n, n) > 0
+
+    @cached_property
+    def _vectorized(self) -> TermValues:
+        """Values of the terms that have a vectorised form."""
+        if self._given is not None:
+            return self._given
+        return unary_values(self._problem, self._segmentation.labelling)[0]
+
+    def _first(self) -> FloatArray:
+        """(2, n, n) float: all entries with the cheap terms alone, and where those are all."""
+        n = len(self._empty)
+        return np.array(
+            [[self._summed(part, j, everything=False) for j in range(n)] for part in range(n)],
+            np.float64,
+        ).transpose(2, 0, 1)
 
     def evaluate(self, part: int, label: int) -> float:
         """The cost of an entry, known from now on."""
         if not self.known[part, label]:
-            self._update(part, label, everything=True)
+
+            def compute() -> FloatArray:
+                return np.array(self._summed(part, label, everything=True)[:1])
+
+            given = [self._labels, part, label]
+            self.lower[part, label] = self._answers.numbers("unary entry", given, compute)[0]
+            self.known[part, label] = True
         return float(self.lower[part, label])
 
     def all(self) -> FloatArray:
@@ -158,8 +184,11 @@ class UnaryCosts:
         )
         return penalty
 
-    def _update(self, part: int, label: int, *, everything: bool) -> None:
-        """Sum the terms of one entry; dear ones at their least unless everything is asked."""
+    def _summed(self, part: int, label: int, *, everything: bool) -> tuple[float, bool]:
+        """The sum of the terms of one entry, dear ones at their least unless everything is asked.
+
+        And whether all of them are known.
+        """
         total, complete = 0.0, True
         if not self._empty[part]:
             for t, term in self._terms[label]:
@@ -174,8 +203,7 @@ class UnaryCosts:
                 else:
                     complete = False
                 total += term.weight * (0.0 if value is None else value)
-        self.lower[part, label] = total
-        self.known[part, label] = complete
+        return total, complete
 
 
 def optimal_assignment(costs: FloatArray) -> IntArray:

@@ -9,10 +9,14 @@ The search spends its time here. Four things keep it short, none of which change
   cheap to expensive, and a candidate is dropped as soon as what is known of its cost, with every
   missing term at the least value that it declares, is more than another candidate's cost. On a
   horse this leaves out nearly all surface distances of a poll.
+
+Where a record is kept (:mod:`moseg_core.search.answer_record`), answers that it has are taken from
+there.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -24,7 +28,13 @@ from moseg_core.components.labellings import Labellings
 from moseg_core.components.memo import Memo
 from moseg_core.components.protocols import Batch, Parameterization
 from moseg_core.components.segmentation import Segmentation
-from moseg_core.problem.aggregate import Evaluation, Values, evaluate_segmentation, weighted_sum
+from moseg_core.problem.aggregate import (
+    Evaluation,
+    Values,
+    evaluate_segmentation,
+    evaluation_of,
+    weighted_sum,
+)
 from moseg_core.problem.binding import BoundTerm
 from moseg_core.problem.calls import (
     all_empty_parts,
@@ -34,6 +44,7 @@ from moseg_core.problem.calls import (
     leaves_out,
 )
 from moseg_core.problem.problem import Problem
+from moseg_core.search.answer_record import answers_about
 from moseg_core.search.assignment import UnaryCosts, unary_values
 from moseg_core.search.checked_partition import checked
 from moseg_core.shape.pins import NO_PINS, Pins
@@ -90,6 +101,7 @@ class ProblemEvaluator:
         self.evaluations = 0
         self.best: Found | None = None
         self.input = self if input is None else input
+        self._answers = answers_about(shape, problem, self.parameterization, pins)
         self._lookup = Lookup(problem.registry)
         self._least: Values = [[_least(term)] * len(term.calls) for term in problem.terms]
         self._least_sum = weighted_sum(problem.terms, self._least)
@@ -121,9 +133,18 @@ class ProblemEvaluator:
 
     def evaluate(self, vector: FloatArray) -> Evaluation:
         """Cost by term and part of one vector."""
-        evaluation = self._evaluated(self.labels(vector), detailed=False)
-        self._keep(evaluation.cost, vector)
-        return evaluation
+        found: Evaluation | None = None
+
+        def numbers() -> FloatArray:
+            nonlocal found
+            found = self._evaluated(self.labels(vector), detailed=False)
+            return self._numbers(found)
+
+        answer = self._answers.numbers("evaluate", [vector], numbers)
+        if found is None:
+            found = self._evaluation(answer.tolist())
+        self._keep(found.cost, vector)
+        return found
 
     def evaluate_labels(self, labels: Int32Array) -> Evaluation:
         """Cost by term and part of one labelling, with what objectives tell of their values."""
@@ -136,6 +157,32 @@ class ProblemEvaluator:
             self.segmentation(labels),
             broken_pins=self.pins.broken(labels),
             detailed=detailed,
+        )
+
+    def _numbers(self, evaluation: Evaluation) -> FloatArray:
+        """(k,) float: an evaluation as numbers; see :meth:`_evaluation`."""
+        empty = [float(name in evaluation.empty) for name in self.problem.labels]
+        values = [
+            math.nan if call.value is None else call.value
+            for term in evaluation.terms
+            for call in term.calls
+        ]
+        return np.array([evaluation.broken_pins, *empty, *values])
+
+    def _evaluation(self, numbers: list[float]) -> Evaluation:
+        """The evaluation again: broken pins, which parts are empty, values, NaN for those left out.
+
+        Values themselves are finite.
+        """
+        labels, terms = self.problem.labels, self.problem.terms
+        broken, first = int(numbers[0]), 1 + len(labels)
+        values = iter(None if math.isnan(value) else value for value in numbers[first:])
+        return evaluation_of(
+            terms,
+            labels,
+            [[next(values) for _ in term.calls] for term in terms],
+            [number > 0 for number in numbers[1:first]],
+            broken_pins=broken,
         )
 
     def costs(self, batch: Batch) -> list[Cost]:
@@ -152,6 +199,17 @@ class ProblemEvaluator:
             cutoff, may be a lower bound that is not so either.
         """
         self.evaluations += len(batch.vectors)
+        cutoff = () if batch.cutoff is None else batch.cutoff
+        given = [batch.vectors, cutoff, batch.best_only]
+        costs = self._answers.costs("costs", given, lambda: self._costs(batch))
+        if costs:
+            least = min(costs)  # exact, by the batch's promises, unless it is beyond the cutoff
+            if batch.cutoff is None or least < batch.cutoff:
+                self._keep(least, batch.vectors[costs.index(least)])
+        return costs
+
+    def _costs(self, batch: Batch) -> list[Cost]:
+        """The same, computed."""
         first_of: dict[bytes, int] = {}
         owner: list[int] = []
         distinct: list[int] = []
@@ -166,12 +224,7 @@ class ProblemEvaluator:
             cutoff=batch.cutoff,
             best_only=batch.best_only,
         )
-        costs = [found[k] for k in owner]
-        if costs:
-            least = min(costs)  # exact, by the batch's promises, unless it is beyond the cutoff
-            if batch.cutoff is None or least < batch.cutoff:
-                self._keep(least, batch.vectors[costs.index(least)])
-        return costs
+        return [found[k] for k in owner]
 
     def unary_costs(self, vector: FloatArray) -> UnaryCosts:
         """The paper's cost matrix ``C`` for the parts of a vector (Sec. 6)."""
@@ -179,12 +232,16 @@ class ProblemEvaluator:
 
     def unary_costs_of(self, segmentation: Segmentation) -> UnaryCosts:
         """The same for parts at hand, in any order."""
-        return UnaryCosts(self.problem, segmentation, self.pins)
+        return UnaryCosts(self.problem, segmentation, self.pins, answers=self._answers)
 
     def order_cost(self, segmentation: Segmentation, order: IntArray) -> Cost:
         """Cost of a segmentation when label ``j`` goes to its part ``order[j]``."""
-        labelling = segmentation.labelling
-        return self._exact(_Candidates(self, labelling, np.zeros(1, np.int64), order[None]))[0]
+
+        def compute() -> list[Cost]:
+            labelling = segmentation.labelling
+            return self._exact(_Candidates(self, labelling, np.zeros(1, np.int64), order[None]))
+
+        return self._answers.costs("order", [segmentation.level_labels, order], compute)[0]
 
     def order_costs(
         self, segmentation: Segmentation, orders: Sequence[IntArray], cutoff: Cost
@@ -203,9 +260,14 @@ class ProblemEvaluator:
         self.evaluations += len(orders)
         if not orders:
             return []
-        rows = np.zeros(len(orders), np.int64)
-        candidates = _Candidates(self, segmentation.labelling, rows, np.stack(orders))
-        return self._complete(candidates, cutoff=cutoff, best_only=True)
+
+        def compute() -> list[Cost]:
+            rows = np.zeros(len(orders), np.int64)
+            candidates = _Candidates(self, segmentation.labelling, rows, np.stack(orders))
+            return self._complete(candidates, cutoff=cutoff, best_only=True)
+
+        given = [segmentation.level_labels, np.stack(orders), cutoff]
+        return self._answers.costs("orders", given, compute)
 
     def labelled_costs(self, vectors: FloatArray) -> list[tuple[IntArray, Cost]]:
         """For each vector the best labels by the unary objectives, and the cost under them.
@@ -223,6 +285,21 @@ class ProblemEvaluator:
             ``order[j]`` is the part that label ``j`` goes to; the cost counts all terms.
         """
         self.evaluations += len(vectors)
+        n = len(self.problem.labels)
+
+        def compute() -> FloatArray:
+            found = self._labelled_costs(vectors)
+            return np.array([[*order, *cost] for order, cost in found], np.float64)
+
+        rows = self._answers.numbers("labelled", [vectors], compute).reshape(-1, n + 2)
+        found = [(row[:n].astype(np.int64), Cost(int(row[n]), float(row[n + 1]))) for row in rows]
+        for vector, (order, cost) in zip(vectors, found, strict=True):
+            if self.best is None or cost < self.best[0]:
+                self._keep(cost, self.parameterization.permute(vector, order))
+        return found
+
+    def _labelled_costs(self, vectors: FloatArray) -> list[tuple[IntArray, Cost]]:
+        """The same, computed."""
         labellings = self._labellings(vectors)
         values = unary_values(self.problem, labellings)
         orders = [
@@ -234,11 +311,7 @@ class ProblemEvaluator:
         if not orders:
             return []
         candidates = _Candidates(self, labellings, np.arange(len(orders)), np.stack(orders))
-        costs = self._exact(candidates)
-        for vector, order, cost in zip(vectors, orders, costs, strict=True):
-            if self.best is None or cost < self.best[0]:
-                self._keep(cost, self.parameterization.permute(vector, order))
-        return list(zip(orders, costs, strict=True))
+        return list(zip(orders, self._exact(candidates), strict=True))
 
     def _labellings(self, vectors: FloatArray) -> Labellings:
         """The partitions that vectors describe."""

@@ -35,6 +35,7 @@ from moseg_core.problem.recipe import Recipe
 from moseg_core.problem.settings import OptionValues, SearchOptions
 from moseg_core.problem.statement import joined
 from moseg_core.search.alignment import Alignment
+from moseg_core.search.described_run import digest_of, run_of
 from moseg_core.search.pieces import PinsGiven, on_large_pieces
 from moseg_core.search.restarts import Listener
 from moseg_core.search.result import Result
@@ -122,7 +123,8 @@ def solve_hierarchy(
         whole = descent.search(part, hierarchy, "", start=start, freeze=freeze, pins=its)
         return descent.merged(whole, hierarchy)
 
-    return on_large_pieces(shape, options, search, pins)
+    with run_of(shape, lambda: [hierarchy], options, start=start, freeze=freeze, pins=pins):
+        return on_large_pieces(shape, options, search, pins)
 
 
 def refine(
@@ -174,7 +176,9 @@ def refine(
     options.setdefault("seed", result.seed)
     search = SearchOptions.of(options)
     check_hierarchy(hierarchy, search)
-    return divided(result, hierarchy, search, Listener(report or never_stop))
+    asked = {"parts of": digest_of(result.labels), **hierarchy.statement.document()}
+    with run_of(result.shape, lambda: [hierarchy], search, asked=asked, start=result):
+        return divided(result, hierarchy, search, Listener(report or never_stop))
 
 
 def divided(

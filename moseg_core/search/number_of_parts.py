@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from numbers import Integral
 from typing import Unpack
@@ -27,6 +28,7 @@ from moseg_core.problem.recipe import Recipe, load_recipe
 from moseg_core.problem.settings import OptionValues, SearchOptions
 from moseg_core.problem.statement import Statement
 from moseg_core.search.alternatives import chosen_among
+from moseg_core.search.described_run import run_of
 from moseg_core.search.levels import check_hierarchy, solve_hierarchy
 from moseg_core.search.pieces import on_large_pieces
 from moseg_core.search.restarts import Listener
@@ -146,15 +148,32 @@ def solve_parts(
     report: Report,
 ) -> Result:
     """The same as :func:`segment_parts`, with statement and options in one piece each."""
+
+    def tasks() -> list[Hierarchy]:
+        numbers = numbers_to_try(statement, given)
+        return [Hierarchy.of(statement.with_parts(number)) for number in numbers]
+
+    asked = {"parts": str(given), **statement.document()}
+    with run_of(shape, tasks, options, asked=asked):
+        return _solved(shape, statement, tasks, options, report=report)
+
+
+def _solved(
+    shape: Shape,
+    statement: Statement,
+    wanted: Callable[[], list[Hierarchy]],
+    options: SearchOptions,
+    *,
+    report: Report,
+) -> Result:
+    """See :func:`solve_parts`."""
     if options.ignore_pieces_below > 0:
         return on_large_pieces(
             shape,
             options,
-            lambda part, rest, _: solve_parts(part, statement, given, rest, report=report),
+            lambda part, rest, _: _solved(part, statement, wanted, rest, report=report),
         )
-    tasks = [
-        Hierarchy.of(statement.with_parts(number)) for number in numbers_to_try(statement, given)
-    ]
+    tasks = wanted()
     for task in tasks:
         check_hierarchy(task, options)
     if len(tasks) == 1:

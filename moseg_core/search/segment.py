@@ -33,6 +33,7 @@ from moseg_core.problem.settings import (
 from moseg_core.search.alignment import Alignment
 from moseg_core.search.beginning import until
 from moseg_core.search.checked_partition import make_partition
+from moseg_core.search.described_run import run_of
 from moseg_core.search.evaluator import ProblemEvaluator
 from moseg_core.search.exchange import best_order
 from moseg_core.search.incumbents import END, Incumbent, kept_incumbents
@@ -167,9 +168,17 @@ def segment(
         ignore_pieces_below=ignore_pieces_below,
     )
     more: Any = {"defaults": defaults, "start": start, "freeze": freeze, "report": report}
-    return on_large_pieces(
-        shape, options, lambda part, rest, its: solve(part, problem, rest, pins=its, **more), pins
-    )
+
+    def tasks() -> list[Hierarchy]:
+        return [Hierarchy(problem, search=Method() if defaults is None else defaults)]
+
+    with run_of(shape, tasks, options, start=start, freeze=freeze, pins=pins):
+        return on_large_pieces(
+            shape,
+            options,
+            lambda part, rest, its: solve(part, problem, rest, pins=its, **more),
+            pins,
+        )
 
 
 def solve(

@@ -32,6 +32,7 @@ from moseg_core.problem.statement import Statement
 from moseg_core.problem.variants import Variants
 from moseg_core.search.alignment import Alignment
 from moseg_core.search.alternatives import chosen_among
+from moseg_core.search.described_run import run_of
 from moseg_core.search.label_set_trial import Trial, for_task
 from moseg_core.search.levels import check_hierarchy, divided, solve_hierarchy
 from moseg_core.search.pieces import on_large_pieces
@@ -130,13 +131,15 @@ def solve_variants(
     report: Report | None = None,
 ) -> Result:
     """The same as :func:`segment_variants`, with names looked up and options in one piece."""
-    rest: Any = {"start": start, "freeze": freeze, "report": report}
-    return on_large_pieces(
-        shape,
-        options,
-        lambda part, own, its: _solved(part, variants, own, pins=its, **rest),
-        pins,
-    )
+    steered: Any = {"start": start, "freeze": freeze}
+    asked = variants.statement.document()
+    with run_of(shape, lambda: variants.tasks, options, asked=asked, pins=pins, **steered):
+        return on_large_pieces(
+            shape,
+            options,
+            lambda part, own, its: _solved(part, variants, own, pins=its, report=report, **steered),
+            pins,
+        )
 
 
 def _solved(

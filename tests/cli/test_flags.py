@@ -7,6 +7,7 @@ import dataclasses
 import pytest
 
 from moseg_core.cli.flags import (
+    CheckpointFlags,
     ProblemFlags,
     SearchedProblemFlags,
     SearchFlags,
@@ -14,7 +15,10 @@ from moseg_core.cli.flags import (
     SteeringFlags,
 )
 
-GROUPS = (ProblemFlags, SearchedProblemFlags, ShapeFlags, SearchFlags, SteeringFlags)
+GROUPS = (
+    *(ProblemFlags, SearchedProblemFlags, ShapeFlags, SearchFlags, SteeringFlags),
+    CheckpointFlags,
+)
 
 
 def options(group):
