@@ -1,5 +1,6 @@
 """The public face: where each name is defined, for type checkers and for the loader."""
 
+from moseg_core.batching.cluster import cluster_executor as cluster_executor
 from moseg_core.batching.driver import BatchReport as BatchReport
 from moseg_core.batching.driver import batch as batch
 from moseg_core.batching.outcome import BatchProgress as BatchProgress

@@ -38,7 +38,7 @@ from moseg_core.batching.jobs import (
 from moseg_core.batching.ledger import Ledger
 from moseg_core.batching.leftovers import take_away_leftovers
 from moseg_core.batching.outcome import BatchProgress, BatchResult, Outcome
-from moseg_core.batching.running import close_children, forget_children, run_job
+from moseg_core.batching.running import EndedError, close_children, forget_children, run_job
 from moseg_core.batching.versions import own_versions
 from moseg_core.errors import MosegError, UsageError
 from moseg_core.io.files import check_form
@@ -334,7 +334,7 @@ class _Run:
         except UsageError:  # of all jobs: other versions over there
             raise
         except (Exception, CancelledError) as error:  # whatever kind an executor has for it
-            if isinstance(error, MosegError):
+            if isinstance(error, MosegError) and not isinstance(error, EndedError):
                 raise
             tried = self._hand_outs.get(job.key, 1)
             if tried < _MOST_HAND_OUTS:

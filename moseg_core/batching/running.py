@@ -134,6 +134,18 @@ def close_children(threads: list[int]) -> None:
             _keepers[thread].close()
 
 
+def end_children() -> None:
+    """End the children of all threads of this process; jobs that come later have others.
+
+    What a cluster's workers are asked to do when a batch ends (:mod:`moseg_core.batching.cluster`).
+    A job of another batch that is at work there raises :class:`EndedError`, and is handed out
+    again.
+    """
+    threads = list(_keepers)
+    close_children(threads)
+    forget_children(threads)
+
+
 def forget_children(threads: list[int]) -> None:
     """Let go of the children of threads that have ended: another may get the number."""
     for thread in threads:

@@ -14,6 +14,7 @@ import math
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import Executor
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -22,6 +23,7 @@ from rich.progress import BarColumn, TextColumn
 from rich.progress import Progress as Bars
 from rich.table import Table
 
+from moseg_core.batching.cluster import cluster_executor
 from moseg_core.batching.driver import BatchReport, Limits, run_batch
 from moseg_core.batching.instructions import Instructions
 from moseg_core.batching.jobs import PLACE
@@ -75,8 +77,11 @@ def run_batch_command(
         close=part_flags.close, hulls=part_flags.hulls, hull_vertices=part_flags.hull_vertices
     )
     instructions = read_instructions(problem_flags, reading, search, clip=clipped, form=form)
+    if limits.scheduler is not None and search.workers is not None:
+        raise UsageError("--workers is for this computer; with --scheduler the cluster has its own")
     began = time.monotonic()
     with (
+        executor_at(limits.scheduler, search.workers) as (executor, workers),
         progress_of_batch(quiet=quiet) as show,
         stop_on_interrupt(wanted=True, finishing="the shapes at work") as stop,
     ):
@@ -87,10 +92,10 @@ def run_batch_command(
                 folder,
                 templates=templates,
                 limits=Limits(timeout=limits.timeout, memory=limits.memory),
-                workers=search.workers,
+                workers=workers,
                 resume=limits.resume or limits.retry_failed,
                 retry_failed=limits.retry_failed,
-                executor=None,
+                executor=executor,
                 report=lambda progress: show(progress) or stop(),
             )
         except KeyboardInterrupt:
@@ -109,6 +114,18 @@ def run_batch_command(
         raise MosegError(
             f"{len(result.failed)} of {result.total} shapes failed; --retry-failed does these again"
         )
+
+
+@contextmanager
+def executor_at(
+    scheduler: str | None, workers: int | None
+) -> Iterator[tuple[Executor | None, int | None]]:
+    """Where jobs are done, and how many at a time: a cluster, or None for this computer."""
+    if scheduler is None:
+        yield None, workers
+        return
+    with cluster_executor(scheduler) as (executor, count):
+        yield executor, count
 
 
 def read_outputs(outputs: Sequence[Path]) -> tuple[Path, list[str]]:

@@ -233,12 +233,16 @@ class BatchFlags:
         Go on with the batch in the folder: do what is missing, or has changed since.
     retry_failed
         The same, and do again what has failed.
+    scheduler
+        Do it on a Dask cluster: the address of its scheduler, tcp://10.0.0.5:8786. All machines see
+        the files under the same paths.
     """
 
     timeout: float | None = None
     memory: float | None = None
     resume: Flag = False
     retry_failed: Flag = False
+    scheduler: str | None = None
 
 
 @Parameter(name="*", group=_LONG)
