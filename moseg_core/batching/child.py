@@ -67,11 +67,11 @@ def main(arguments: list[str]) -> None:
     inbox = Inbox(requests)
     with telling_of_compiling(partial(_tell, answers)):
         while (request := inbox.receive()) is not None:
-            send(answers, _answer(do_job, request))
+            send(answers, _answer(do_job if request["task"] == "solve" else _describe, request))
             note_in(memory)  # nothing is at work, whatever was left
 
 
-def _answer(do_job: Callable[..., dict[str, Any]], request: dict[str, Any]) -> dict[str, Any]:
+def _answer(do: Callable[..., dict[str, Any]], request: dict[str, Any]) -> dict[str, Any]:
     """Do a job as if it were the first; whatever is raised is an answer too."""
     from moseg_core.components.faults import describe
 
@@ -79,12 +79,19 @@ def _answer(do_job: Callable[..., dict[str, Any]], request: dict[str, Any]) -> d
     try:
         os.chdir(request["here"])
         _seed(request["seed"])
-        answer = do_job(request["shape"], request["outputs"], request["instructions"])
+        answer = do(request["shape"], request["outputs"], request["instructions"])
     except OSError as error:  # the folder is not there
         answer = {"kind": "failed", "message": f"'{request['here']}': {error.strerror or error}"}
     except BaseException as error:  # noqa: BLE001  # a component may raise what it likes
         answer = {"kind": "plugin error", "message": f"a component raised {describe(error)}"}
     return {**answer, "seconds": round(time.monotonic() - began, 3)}
+
+
+def _describe(*given: Any) -> dict[str, Any]:
+    """Draw and measure a result; few batches ask for that, and it needs more modules."""
+    from moseg_core.batching.report.describing import describe_result
+
+    return describe_result(*given)
 
 
 def _tell(answers: int, begins: bool) -> None:

@@ -26,7 +26,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from moseg_core.batching.instructions import Instructions
+from moseg_core.batching.instructions import EarlierResult, Instructions
 from moseg_core.batching.jobs import (
     PLACE,
     Job,
@@ -38,6 +38,7 @@ from moseg_core.batching.jobs import (
 from moseg_core.batching.ledger import Ledger
 from moseg_core.batching.leftovers import take_away_leftovers
 from moseg_core.batching.outcome import BatchProgress, BatchResult, Outcome
+from moseg_core.batching.report.making import describing_job, make_page
 from moseg_core.batching.running import EndedError, close_children, forget_children, run_job
 from moseg_core.batching.versions import own_versions
 from moseg_core.errors import MosegError, UsageError
@@ -110,13 +111,16 @@ def batch(
     close: bool = False,
     hulls: bool = False,
     hull_vertices: int | None = None,
+    start_from: str | os.PathLike[str] | None = None,
     workers: int | None = None,
     timeout: float | None = None,
     memory: float | None = None,
+    term_timeout: float | None = None,
     resume: bool = False,
     retry_failed: bool = False,
     executor: Executor | None = None,
     report: BatchReport | None = None,
+    page: bool = False,
 ) -> BatchResult:
     """Segment many shapes, each in a guarded process; what goes wrong with one harms no other.
 
@@ -142,12 +146,17 @@ def batch(
         Whether boundaries are clipped (:func:`moseg_core.clip`).
     close, hulls, hull_vertices
         As for :func:`moseg_core.save`.
+    start_from : path-like, optional
+        A saved result (.json) of another shape, which is laid onto each (:func:`moseg_core.align`):
+        searches start from there, and parts are called as there.
     workers : int, optional
         How many shapes are segmented at a time; as many as there are processors by default.
     timeout : float, optional
         Seconds that a shape may take; to compile kernels once is not counted.
     memory : float, optional
         GB (1e9 bytes) that a shape may take.
+    term_timeout : float, optional
+        Seconds that a call of an objective may take.
     resume : bool
         Go on with the batch in the folder: do what is missing or has changed.
     retry_failed : bool
@@ -158,6 +167,9 @@ def batch(
     report : callable, optional
         Receives a :class:`moseg_core.BatchProgress` several times a second. Returning True, it ends
         the batch: no shape is begun any more, and those at work are finished.
+    page : bool
+        Whether to write ``report.html`` into the folder when all is done: a picture of each result,
+        its cost, and how unlike the others it is, outliers first.
 
     Returns
     -------
@@ -192,6 +204,8 @@ def batch(
             reading=reading or Reading(),
             clip=clip,
             form=PartForm(close=close, hulls=hulls, hull_vertices=hull_vertices),
+            start_from=None if start_from is None else EarlierResult.at(Path(start_from)),
+            term_timeout=term_timeout,
         ),
         Path(folder),
         templates=[os.fspath(output) for output in outputs],
@@ -201,6 +215,7 @@ def batch(
         retry_failed=retry_failed,
         executor=executor,
         report=report or (lambda progress: False),
+        page=page,
     )
 
 
@@ -216,6 +231,7 @@ def run_batch(
     retry_failed: bool,
     executor: Executor | None,
     report: BatchReport,
+    page: bool = False,
 ) -> BatchResult:
     """The same as :func:`batch`, with what is to be done in one piece."""
     if not hasattr(os, "killpg"):
@@ -237,14 +253,26 @@ def run_batch(
         if made:
             folder.rmdir()
         raise
+    most = (1 + _WAITING) * count
     with Ledger(folder, resume=resume) as ledger:
         take_away_leftovers(folder, templates, names)
         jobs = _jobs(paths, names, instructions, folder, templates, limits)
         run = _Run(ledger=ledger, folder=folder, total=len(paths), report=report)
         with _executor(executor, count) as pool:
-            run.carry_out(jobs, pool, (1 + _WAITING) * count, retry_failed=retry_failed)
-    outcomes = {path: run.outcomes[path] for path in paths if path in run.outcomes}
-    return BatchResult(folder=folder, outcomes=outcomes, total=len(paths), stopped=run.stopped)
+            run.carry_out(jobs, pool, most, retry_failed=retry_failed)
+            outcomes = {path: run.outcomes[path] for path in paths if path in run.outcomes}
+            result = BatchResult(
+                folder=folder, outcomes=outcomes, total=len(paths), stopped=run.stopped
+            )
+            if page and not run.stopped:
+                name_of = dict(zip(paths, names, strict=True))
+                drawn = {
+                    shape: describing_job(run.jobs[shape], outcome, name_of[shape])
+                    for shape, outcome in outcomes.items()
+                    if outcome.ok
+                }
+                result = replace(result, page=make_page(result, drawn, pool, most, report))
+    return result
 
 
 def make_folder(folder: Path) -> bool:
@@ -273,6 +301,7 @@ class _Run:
 
     def __init__(self, *, ledger: Ledger, folder: Path, total: int, report: BatchReport) -> None:
         self.outcomes: dict[str, Outcome] = {}
+        self.jobs: dict[str, Job] = {}
         self.stopped = False
         self._ledger, self._folder, self._total, self._report = ledger, folder, total, report
         self._counts: dict[str, int] = {}
@@ -293,6 +322,7 @@ class _Run:
                     job = again.pop() if again else next(jobs, None)
                     if job is None:
                         break
+                    self.jobs[job.shape] = job
                     if self._is_done(job, retry_failed=retry_failed):
                         continue
                     self._at_work[pool.submit(run_job, job)] = job

@@ -8,20 +8,28 @@ every shape (a misspelled name, a malformed expression, an impossible option) is
 
 from __future__ import annotations
 
+import hashlib
 import json
+import os
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import asdict, dataclass, field, fields
+from functools import lru_cache
+from pathlib import Path
 from typing import Any
 
 from moseg_core.components.chosen import Choice
 from moseg_core.errors import UsageError
 from moseg_core.io.part_files import PartForm
 from moseg_core.io.reading import Reading
+from moseg_core.io.result_loading import load_template
+from moseg_core.problem.call_limit import check_limit
 from moseg_core.problem.hierarchy import Hierarchy
 from moseg_core.problem.label_sets import LabelSet
 from moseg_core.problem.settings import CHOSEN_KINDS, SearchOptions
 from moseg_core.problem.statement import Statement
 from moseg_core.problem.variants import Variants
+from moseg_core.regular_file import read_regular_file
+from moseg_core.search.alignment import Template
 from moseg_core.search.clipped_result import check_components
 from moseg_core.search.levels import check_hierarchy
 from moseg_core.search.number_of_parts import numbers_to_try
@@ -30,6 +38,58 @@ from moseg_core.search.variants import check_variants
 
 #: What JSON says as it is, as far as parameters are made of it.
 _JSON = (str, int, float, list)
+
+
+@dataclass(frozen=True, kw_only=True)
+class EarlierResult:
+    """A saved result of another shape, from which all searches of a batch start.
+
+    Parameters
+    ----------
+    path : str
+        An absolute path.
+    digest : str
+        Hexadecimal, of the file: with another result the batch is another one.
+
+    Examples
+    --------
+    >>> EarlierResult.at(Path("none.json"))
+    Traceback (most recent call last):
+        ...
+    moseg_core.errors.UsageError: 'none.json' cannot be read: No such file or directory
+    """
+
+    path: str
+    digest: str
+
+    @classmethod
+    def at(cls, path: Path) -> EarlierResult:
+        """The one at a path."""
+        try:
+            data = read_regular_file(path)
+        except OSError as error:
+            raise UsageError(f"'{path}' cannot be read: {error.strerror or error}") from error
+        return cls(path=os.path.abspath(path), digest=hashlib.sha256(data).hexdigest())
+
+    def template(self) -> Template:
+        """What it says of other shapes.
+
+        Raises
+        ------
+        UsageError
+            The file is no result, or another one than it was.
+        ShapeError
+            Its shape is not found.
+        """
+        return _template(self)
+
+
+@lru_cache(maxsize=1)
+def _template(earlier: EarlierResult) -> Template:
+    """What a result says of other shapes; remembered for the next shape of the batch."""
+    if EarlierResult.at(Path(earlier.path)) != earlier:
+        raise UsageError(f"'{earlier.path}' has changed since the batch began; begin another one")
+    return load_template(Path(earlier.path))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,6 +112,10 @@ class Instructions:
         Whether boundaries are clipped.
     form : PartForm
         What is written of single parts.
+    start_from : EarlierResult or None
+        Where all searches start: what another shape came to, laid onto each.
+    term_timeout : float or None
+        Seconds that a call of an objective may take.
 
     Examples
     --------
@@ -68,6 +132,8 @@ class Instructions:
     reading: Reading = field(default_factory=Reading)
     clip: bool = False
     form: PartForm = field(default_factory=PartForm)
+    start_from: EarlierResult | None = None
+    term_timeout: float | None = None
 
     def document(self) -> dict[str, Any]:
         """The same as plain data, for JSON.
@@ -99,6 +165,8 @@ class Instructions:
             "reading": self.reading.document(),
             "clip": self.clip,
             "form": {f.name: getattr(self.form, f.name) for f in fields(self.form)},
+            "start_from": None if self.start_from is None else asdict(self.start_from),
+            "term_timeout": self.term_timeout,
         }
 
     @classmethod
@@ -113,6 +181,8 @@ class Instructions:
             reading=Reading.of(document["reading"]),
             clip=document["clip"],
             form=PartForm(**document["form"]),
+            start_from=EarlierResult(**earlier) if (earlier := document["start_from"]) else None,
+            term_timeout=document["term_timeout"],
         )
 
     def text(self) -> str:
@@ -134,7 +204,10 @@ class Instructions:
 
     def variants(self) -> Variants:
         """The label sets, with names looked up; only where the number of parts is not open."""
-        return Variants.of(self.statement, self.sets)
+        found = Variants.of(self.statement, self.sets)
+        if self.start_from is None:
+            return found
+        return found.having(self.start_from.template().labels, "--start-from", exactly=True)
 
     def check(self) -> None:
         """Refuse what would be wrong with every shape.
@@ -145,6 +218,12 @@ class Instructions:
             As for :func:`moseg_core.segment`, shapes apart.
         """
         self.document()
+        check_limit(self.term_timeout)
+        if self.start_from is not None and self.n_parts is not None:
+            raise UsageError(
+                "--start-from speaks of single labels, but with --parts these get their numbers at"
+                " the end, by size; give --labels and --minimize, or a recipe with fixed labels"
+            )
         tasks = self.problems()
         if self.n_parts is None:
             check_variants(self.variants(), self.options)

@@ -51,6 +51,8 @@ class Job:
     instructions : str
         What is to be done, as JSON (:class:`moseg_core.batching.instructions.Instructions`).
     key : str
+    task : {"solve", "describe"}
+        Whether the shape is segmented, or its result drawn and measured.
     seed : int
         For the global random generators, which moseg does not use, but components may.
     versions : mapping of str to str
@@ -67,6 +69,7 @@ class Job:
     outputs: tuple[str, ...]
     instructions: str
     key: str
+    task: str = "solve"
     seed: int = 0
     versions: Mapping[str, str] = field(default_factory=dict)
     timeout: float | None = None

@@ -133,12 +133,15 @@ class BatchResult:
         How many shapes there are.
     stopped : bool
         Whether somebody asked to stop before all were begun.
+    page : Path or None
+        The page of the batch, where one was made.
     """
 
     folder: Path
     outcomes: Mapping[str, Outcome] = field(default_factory=dict)
     total: int = 0
     stopped: bool = False
+    page: Path | None = None
 
     @property
     def counts(self) -> dict[str, int]:

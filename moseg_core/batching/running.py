@@ -156,6 +156,7 @@ def forget_children(threads: list[int]) -> None:
 
 def _request(job: Job) -> dict[str, Any]:
     return {
+        "task": job.task,
         "shape": job.shape,
         "here": job.here,
         "outputs": list(job.outputs),

@@ -23,8 +23,10 @@ from moseg_core.errors import REPORT, MosegError, PluginError, ShapeError, Usage
 from moseg_core.io.files import files_of, write_files
 from moseg_core.io.part_files import check_part_form, is_for_parts, part_files
 from moseg_core.io.write.formats import check_writable
+from moseg_core.problem.call_limit import limiting_calls
 from moseg_core.problem.hierarchy import Hierarchy
 from moseg_core.problem.variants import Variants
+from moseg_core.search.alignment import align
 from moseg_core.search.clipped_result import clip
 from moseg_core.search.number_of_parts import solve_parts
 from moseg_core.search.pieces import searched_part
@@ -120,13 +122,19 @@ def _solved(shape: Shape, ready: Prepared, outputs: Sequence[Path]) -> Result:
             check_part_form(output, shape, given.form)
         else:
             check_writable(output.suffix, shape)
-    if ready.variants is not None:
-        result = solve_variants(shape, ready.variants, given.options, report=never_stop)
-    else:
-        assert given.n_parts is not None  # or there would be variants
-        result = solve_parts(
-            shape, given.statement, given.n_parts, given.options, report=never_stop
-        )
+    start = None
+    if given.start_from is not None:
+        start = align(given.start_from.template(), shape, problem)
+    with limiting_calls(given.term_timeout):
+        if ready.variants is not None:
+            result = solve_variants(
+                shape, ready.variants, given.options, start=start, report=never_stop
+            )
+        else:
+            assert given.n_parts is not None  # or there would be variants
+            result = solve_parts(
+                shape, given.statement, given.n_parts, given.options, report=never_stop
+            )
     return clip(result) if given.clip else result
 
 

@@ -16,6 +16,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +26,7 @@ from rich.table import Table
 
 from moseg_core.batching.cluster import cluster_executor
 from moseg_core.batching.driver import BatchReport, Limits, run_batch
-from moseg_core.batching.instructions import Instructions
+from moseg_core.batching.instructions import EarlierResult, Instructions
 from moseg_core.batching.jobs import PLACE
 from moseg_core.batching.outcome import BatchProgress, BatchResult
 from moseg_core.cli.console import console, message, print_json
@@ -39,7 +40,7 @@ from moseg_core.cli.flags import (
 )
 from moseg_core.cli.interrupt import stop_on_interrupt
 from moseg_core.cli.reading import reading_of
-from moseg_core.cli.request import read_search, read_statement, read_variants
+from moseg_core.cli.request import read_search, read_start, read_statement, read_variants
 from moseg_core.components.discovery.registry import registry
 from moseg_core.errors import MosegError, UsageError
 from moseg_core.io.part_files import PartForm
@@ -76,7 +77,9 @@ def run_batch_command(
     form = PartForm(
         close=part_flags.close, hulls=part_flags.hulls, hull_vertices=part_flags.hull_vertices
     )
-    instructions = read_instructions(problem_flags, reading, search, clip=clipped, form=form)
+    instructions = read_instructions(
+        problem_flags, reading, search, limits, clip=clipped, form=form
+    )
     if limits.scheduler is not None and search.workers is not None:
         raise UsageError("--workers is for this computer; with --scheduler the cluster has its own")
     began = time.monotonic()
@@ -97,11 +100,14 @@ def run_batch_command(
                 retry_failed=limits.retry_failed,
                 executor=executor,
                 report=lambda progress: show(progress) or stop(),
+                page=limits.report,
             )
         except KeyboardInterrupt:
             message("what was done is kept; go on with --resume", quiet=quiet)
             raise
     message(f"{time.monotonic() - began:.1f} s; results and ledger are in '{folder}'", quiet=quiet)
+    if result.page is not None:
+        message(f"wrote {result.page}", quiet=quiet)
     if as_json:
         print_json(summary(result))
     elif not quiet:
@@ -163,6 +169,7 @@ def read_instructions(
     problem_flags: SearchedProblemFlags,
     reading: ShapeFlags,
     search: SearchFlags,
+    limits: BatchFlags,
     *,
     clip: bool,
     form: PartForm,
@@ -174,13 +181,19 @@ def read_instructions(
     UsageError
         As for :func:`moseg_core.cli.request.read_variants`.
     """
+    earlier, options = read_start(limits.start_from), read_search(search, SteeringFlags())
+    if earlier is not None and problem_flags.recipe is None and options.parameterization is None:
+        # Its centres are those of its own parameterization.
+        options = replace(options, parameterization=earlier.search().parameterization)
     more: dict[str, Any] = {
-        "options": read_search(search, SteeringFlags()),
+        "options": options,
         "reading": reading_of(reading),
         "clip": clip,
         "form": form,
+        "start_from": limits.start_from and EarlierResult.at(limits.start_from),
+        "term_timeout": limits.term_timeout,
     }
-    variants = read_variants(problem_flags)
+    variants = read_variants(problem_flags, start=earlier)
     if problem_flags.parts is not None:
         statement = read_statement(problem_flags)
         return Instructions(statement=statement, n_parts=problem_flags.parts, **more)

@@ -233,6 +233,14 @@ class BatchFlags:
         Go on with the batch in the folder: do what is missing, or has changed since.
     retry_failed
         The same, and do again what has failed.
+    start_from
+        Lay an earlier result of another shape (.json) onto each and go on from there; so parts that
+        are alike are called alike.
+    term_timeout
+        Seconds that a call of an objective may take; the shape has then failed.
+    report
+        Write report.html into the folder: a picture and the cost of each shape, those that are most
+        unlike the others first.
     scheduler
         Do it on a Dask cluster: the address of its scheduler, tcp://10.0.0.5:8786. All machines see
         the files under the same paths.
@@ -242,6 +250,9 @@ class BatchFlags:
     memory: float | None = None
     resume: Flag = False
     retry_failed: Flag = False
+    start_from: Path | None = None
+    term_timeout: float | None = None
+    report: Flag = False
     scheduler: str | None = None
 
 

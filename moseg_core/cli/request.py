@@ -19,14 +19,12 @@ from moseg_core.components.discovery.registry import registry
 from moseg_core.components.discovery.specs import SeederSpec
 from moseg_core.errors import UsageError
 from moseg_core.io.result_json import SavedResult, read_result
-from moseg_core.io.result_loading import find_shape, load_result
 from moseg_core.problem.full_names import meant_by_result, statement_in_full
 from moseg_core.problem.label_sets import named_sets
 from moseg_core.problem.recipe import load_recipe
 from moseg_core.problem.settings import SearchOptions
 from moseg_core.problem.statement import Statement
 from moseg_core.problem.variants import Variants
-from moseg_core.search.alignment import Template
 from moseg_core.search.number_of_parts import ANY_SHAPE, numbers_to_try
 from moseg_core.search.workers import available_workers
 
@@ -178,20 +176,6 @@ def read_start(path: Path | None) -> SavedResult | None:
             " partitions; start from a result of one level"
         )
     return found
-
-
-def read_template(path: Path, saved: SavedResult) -> Template:
-    """What a saved result of one level says of other shapes.
-
-    Raises
-    ------
-    UsageError
-        Its problem names what is not installed.
-    ShapeError
-        Its shape is not found.
-    """
-    shape = find_shape(saved, path, remedy=f"put it beside '{path.name}'")
-    return Template.of(load_result(path, shape))
 
 
 def centered(text: str) -> list[str]:

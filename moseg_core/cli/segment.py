@@ -39,7 +39,6 @@ from moseg_core.cli.request import (
     read_search,
     read_start,
     read_statement,
-    read_template,
     read_variants,
 )
 from moseg_core.cli.saving import check_outputs, check_saving, raise_last, save_outputs
@@ -52,6 +51,7 @@ from moseg_core.components.protocols import Centers
 from moseg_core.errors import REPORT, MosegError, PluginError, UsageError
 from moseg_core.io.part_files import PartForm
 from moseg_core.io.result_json import SavedResult, evaluation_document
+from moseg_core.io.result_loading import load_template
 from moseg_core.problem.call_limit import limiting_calls
 from moseg_core.problem.label_sets import set_text
 from moseg_core.problem.slow_calls import naming_slow_calls
@@ -116,7 +116,7 @@ def run_segment(
         )
     template = None
     if earlier is not None and steering.start_from is not None:
-        template = read_template(steering.start_from, earlier)
+        template = load_template(steering.start_from)
     check_frozen(problem, frozen)
     form = PartForm(
         close=part_flags.close, hulls=part_flags.hulls, hull_vertices=part_flags.hull_vertices

@@ -22,6 +22,7 @@ from moseg_core.io.result_json import SavedResult, read_result
 from moseg_core.problem.full_names import meant_by_result, statement_in_full
 from moseg_core.problem.hierarchy import Hierarchy
 from moseg_core.problem.problem import Problem
+from moseg_core.search.alignment import Template
 from moseg_core.search.result import Result
 from moseg_core.shape.shape import Shape
 
@@ -101,6 +102,20 @@ def load_result(
         incumbents=saved.incumbents,
         warnings=saved.warnings,
     )
+
+
+def load_template(path: Path) -> Template:
+    """What a saved result of one level says of other shapes, for searches that start from it.
+
+    Raises
+    ------
+    UsageError
+        It is no result; it is of several levels; or its problem names what is not installed.
+    ShapeError
+        Its shape is not found.
+    """
+    shape = find_shape(read_result(path), path, remedy=f"put it beside '{path.name}'")
+    return Template.of(load_result(path, shape))
 
 
 def _stated(saved: SavedResult, source: Registry) -> Problem | Hierarchy:

@@ -124,6 +124,22 @@ def is_limited() -> bool:
     return _limit is not None
 
 
+def check_limit(seconds: float | None) -> None:
+    """Refuse a limit that :func:`limiting_calls` cannot keep.
+
+    Raises
+    ------
+    UsageError
+        It is not positive, or the system has no alarms.
+    """
+    if seconds is None:
+        return
+    if not 0.0 < seconds < threading.TIMEOUT_MAX:
+        raise UsageError(f"the limit for a call is {seconds:g} s; it must be more than 0")
+    if not hasattr(signal, "setitimer"):
+        raise UsageError("this system has no alarms, by which calls could be limited")
+
+
 @contextmanager
 def limiting_calls(seconds: float | None) -> Iterator[None]:
     """Within this context, calls of objectives may take so long; None for as long as they like.
@@ -150,13 +166,10 @@ def limiting_calls(seconds: float | None) -> Iterator[None]:
     moseg_core.problem.call_limit.CallTimeoutError: it took more than 0.05 s
     """
     global _limit
+    check_limit(seconds)
     if seconds is None:
         yield
         return
-    if not 0.0 < seconds < threading.TIMEOUT_MAX:
-        raise UsageError(f"the limit for a call is {seconds:g} s; it must be more than 0")
-    if not hasattr(signal, "setitimer"):
-        raise UsageError("this system has no alarms, by which calls could be limited")
     with tempfile.TemporaryFile() as file:
         file.truncate(_SIZE)
         memory = mmap.mmap(file.fileno(), _SIZE)

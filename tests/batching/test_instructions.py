@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 
-from moseg_core.batching.instructions import Instructions
+from moseg_core.batching.instructions import EarlierResult, Instructions
 from moseg_core.builtin.kmeans import KMeans
 from moseg_core.components.chosen import Choice
 from moseg_core.components.discovery.registry import registry
@@ -29,6 +29,8 @@ FULL = Instructions(
     reading=Reading(up="-z", pitch=(1.0, 1.0, 3.0), weld=0.0, volume="hull"),
     clip=True,
     form=PartForm(hulls=True, hull_vertices=12),
+    start_from=EarlierResult(path="/a.json", digest="0f"),
+    term_timeout=2.5,
 )
 
 
@@ -109,3 +111,19 @@ def test_components_are_told_with_their_versions():
 def test_what_is_wrong_with_every_shape_is_refused(change, said):
     with pytest.raises(UsageError, match=said):
         replace(PLAIN, **change).check()
+
+
+def test_an_earlier_result_is_itself_and_no_other(tmp_path):
+    path = tmp_path / "a.json"
+    path.write_text("{}")
+    earlier = EarlierResult.at(path)
+    assert earlier.path == str(path)
+    with pytest.raises(UsageError, match="is not a moseg result"):
+        replace(PLAIN, start_from=earlier).check()
+    path.write_text("{ }")
+    with pytest.raises(UsageError, match="has changed since the batch began"):
+        replace(PLAIN, start_from=earlier).check()
+    with pytest.raises(UsageError, match="--start-from speaks of single labels"):
+        replace(PLAIN, start_from=earlier, n_parts=3).check()
+    with pytest.raises(UsageError, match="it must be more than 0"):
+        replace(PLAIN, term_timeout=0.0).check()

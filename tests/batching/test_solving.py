@@ -7,8 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from moseg_core.batching.instructions import Instructions
+from moseg_core.batching.instructions import EarlierResult, Instructions
 from moseg_core.batching.solving import do_job, prepared
+from moseg_core.cli import main
+from moseg_core.errors import UsageError
 from moseg_core.io.result_json import read_result
 from moseg_core.problem.recipe import load_recipe
 from moseg_core.problem.settings import SearchOptions
@@ -90,3 +92,30 @@ def test_a_shape_is_not_written_over(tmp_path):
     answer = done(path, [link])
     assert "is the shape itself" in answer["message"]
     assert path.read_bytes() == before
+
+
+def test_searches_start_from_an_earlier_result_with_the_bytes_of_a_run_alone(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    first = write_shape(tmp_path, "a")
+    assert done(first, ["first.json"])["kind"] == "ok"
+    write_shape(tmp_path, "bb")
+    given = replace(PLAIN, start_from=EarlierResult.at(Path("first.json")))
+    given.check()
+    assert done("bb.off", ["bb.json"], given)["kind"] == "ok"
+    words = ["--labels", "a,b", "--minimize", "narrow(a)", "--optimizer", str(FEW.optimizer)]
+    words += ["--restarts", "1", "--start-from", "first.json", "-o", "alone.json", "--quiet"]
+    with pytest.raises(SystemExit) as ended:
+        main(["segment", "bb.off", *words])
+    assert ended.value.code == 0
+    assert Path("bb.json").read_bytes() == Path("alone.json").read_bytes()
+    other = replace(given, statement=replace(PLAIN.statement, labels=("a", "c")))
+    with pytest.raises(UsageError, match="label 'b'"):
+        other.check()
+
+
+def test_a_call_that_takes_too_long_is_the_component_s_failure(planted_bundle, tmp_path):
+    prepared.cache_clear()
+    path = write_shape(tmp_path, "spin")
+    answer = done(path, [tmp_path / "x.json"], replace(INSTRUCTIONS, term_timeout=0.5))
+    assert answer["kind"] == "plugin error"
+    assert "planted:planted" in answer["message"]

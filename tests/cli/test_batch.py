@@ -14,7 +14,7 @@ from moseg_core.batching.running import run_job
 from moseg_core.batching.solving import do_job
 from moseg_core.cli import batch as command
 from moseg_core.cli.batch import progress_of_batch, read_instructions
-from moseg_core.cli.flags import SearchedProblemFlags, SearchFlags, ShapeFlags
+from moseg_core.cli.flags import BatchFlags, SearchedProblemFlags, SearchFlags, ShapeFlags
 from moseg_core.io.part_files import PartForm
 
 WORDS = ["--labels", "a,b", "--minimize", "narrow(a)", "--restarts", "1"]
@@ -109,6 +109,7 @@ def read(**problem):
         SearchedProblemFlags(**problem),
         ShapeFlags(pitch="2", up="z"),
         SearchFlags(seed=3, workers=5),
+        BatchFlags(),
         clip=False,
         form=PartForm(),
     )
