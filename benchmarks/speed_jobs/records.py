@@ -48,7 +48,8 @@ class Record:
     what : str
         Unique within the job.
     unit : str
-        "s", "ms", "us" (microseconds), "GB" (1e9 bytes), "cost", ": 1" (a ratio), "faces".
+        "s", "ms", "us" (microseconds), "GB" (1e9 bytes), "cost", ": 1" (a ratio), "faces",
+        "a minute".
     runs : tuple of float
         At least one, in the order in which they were measured.
     """
