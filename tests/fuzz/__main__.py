@@ -11,9 +11,10 @@ import re
 import sys
 from pathlib import Path
 
-from tests.fuzz.children import run, write_files
+from tests.fuzz.children import Outcome, run, write_files
 from tests.fuzz.everything import all_cases
 from tests.fuzz.table import by, fallen_short, text
+from tests.fuzz.verdict import BAD
 
 
 def main() -> int:
@@ -24,18 +25,23 @@ def main() -> int:
     parser.add_argument("--children", type=int, default=2)
     chosen = parser.parse_args()
     cases = [case for case in all_cases() if chosen.only in case.key]
-    outcomes = run(cases, children=chosen.children)
+
+    def told(outcome: Outcome) -> None:
+        if outcome.verdict.outcome not in BAD:
+            return
+        said = f"{outcome.case.key} | {outcome.verdict.outcome} | {outcome.verdict.said[:300]!r}"
+        print(said, flush=True)
+        if chosen.keep is not None:
+            folder = chosen.keep / re.sub(r"[^A-Za-z0-9^.-]+", "_", outcome.case.key)[:100]
+            folder.mkdir(parents=True, exist_ok=True)
+            write_files(outcome.case.files(), folder)
+
+    outcomes = run(cases, children=chosen.children, told=told)
     for key in ("format", "kind"):
         print(text(by(outcomes, key), key), end="\n\n")
     for outcome in sorted(outcomes, key=lambda o: -o.seconds)[: chosen.slowest]:
         print(f"{outcome.seconds:6.1f} s  {outcome.case.key}  {outcome.verdict.outcome}")
     bad = fallen_short(outcomes)
-    for outcome in bad:
-        print(f"{outcome.case.key} | {outcome.verdict.outcome} | {outcome.verdict.said[:300]!r}")
-        if chosen.keep is not None:
-            folder = chosen.keep / re.sub(r"[^A-Za-z0-9^.-]+", "_", outcome.case.key)[:100]
-            folder.mkdir(parents=True, exist_ok=True)
-            write_files(outcome.case.files(), folder)
     print(f"{len(outcomes)} files, {len(bad)} fall short")
     return 1 if bad else 0
 

@@ -24,7 +24,7 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -49,13 +49,20 @@ class Outcome:
     seconds: float
 
 
-def run(cases: Sequence[Case], *, children: int = 2) -> list[Outcome]:
+def run(
+    cases: Sequence[Case],
+    *,
+    children: int = 2,
+    told: Callable[[Outcome], None] = lambda outcome: None,
+) -> list[Outcome]:
     """Read all cases, in as many children at a time; outcomes in the order of the cases.
 
     Parameters
     ----------
     cases : sequence of Case
     children : int
+    told : callable
+        Is given each outcome as it comes.
     """
     waiting: queue.SimpleQueue[int] = queue.SimpleQueue()
     # Large ones first, so that no child is left alone with them at the end.
@@ -71,6 +78,7 @@ def run(cases: Sequence[Case], *, children: int = 2) -> list[Outcome]:
                 while not faults:
                     k = waiting.get_nowait()
                     found[k] = child.read(cases[k])
+                    told(found[k])
         except queue.Empty:
             pass
         except BaseException as error:  # told below, by the thread that asked

@@ -8,11 +8,16 @@ from tests.fuzz.case import Case, checked
 from tests.fuzz.clouds import cloud_cases
 from tests.fuzz.counts import count_cases
 from tests.fuzz.damage import damaged
+from tests.fuzz.documents import document_cases
 from tests.fuzz.grids import grid_cases
+from tests.fuzz.labellings import label_cases
 from tests.fuzz.polygons import polygon_cases
 from tests.fuzz.scenes import scene_cases
 
-SOURCES = (damaged, polygon_cases, count_cases, scene_cases, grid_cases, cloud_cases)
+SOURCES = (
+    *(damaged, polygon_cases, count_cases, scene_cases, grid_cases, cloud_cases, label_cases),
+    document_cases,
+)
 
 
 @cache
