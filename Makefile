@@ -6,7 +6,7 @@ STAMP := .venv/.installed
 DOCS_STAMP := .venv/.installed-docs
 PLUGINS := $(wildcard plugins/*)
 
-.PHONY: install demo test test-slow test-browser lint format docs pages benchmark constraints clean
+.PHONY: install demo test test-slow test-browser fuzz fuzz-page lint format docs pages benchmark constraints clean
 
 install: $(STAMP)
 
@@ -28,10 +28,18 @@ demo: $(STAMP)
 	$(BIN)/moseg evaluate demo/sample.ply demo/hammer.json demo/truth.txt
 
 test: $(STAMP)
-	$(BIN)/python -m pytest -n 2 --dist worksteal -m "not slow and not browser"
+	$(BIN)/python -m pytest -n 2 --dist worksteal -m "not slow and not browser and not fuzz"
 
 test-slow: $(STAMP)
-	$(BIN)/python -m pytest -n 2 --dist worksteal -m "slow and not browser"
+	$(BIN)/python -m pytest -n 2 --dist worksteal -m "slow and not browser and not fuzz"
+
+# Hostile files of all formats, under limits; prints what became of them.
+fuzz: $(STAMP)
+	$(BIN)/python -m pytest -s -m fuzz tests/fuzz
+
+# The table of that on docs/promises.md.
+fuzz-page: $(STAMP)
+	$(BIN)/python -m tests.fuzz.page
 
 # Pages in Chromium; without it the tests are skipped, unless MOSEG_BROWSER is "required".
 test-browser: $(STAMP) .venv/.browser

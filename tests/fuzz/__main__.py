@@ -1,7 +1,8 @@
 """``python -m tests.fuzz``: read all cases, or some, and say what became of them.
 
 ``--only TEXT`` takes the cases whose key has the text, ``--keep FOLDER`` writes the files of what
-falls short, ``--slowest N`` lists what took longest.
+falls short, ``--slowest N`` lists what took longest, ``--sample N`` takes so many of every format and kind,
+``--by-command`` gives them to the command line.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import sys
 from pathlib import Path
 
 from tests.fuzz.children import Outcome, run, write_files
+from tests.fuzz.command_line import sample
 from tests.fuzz.everything import all_cases
 from tests.fuzz.table import by, fallen_short, text
 from tests.fuzz.verdict import BAD
@@ -22,6 +24,8 @@ def main() -> int:
     parser.add_argument("--only", default="")
     parser.add_argument("--keep", type=Path)
     parser.add_argument("--slowest", type=int, default=0)
+    parser.add_argument("--sample", type=int, default=0)
+    parser.add_argument("--by-command", action="store_true")
     parser.add_argument("--children", type=int, default=2)
     chosen = parser.parse_args()
     cases = [case for case in all_cases() if chosen.only in case.key]
@@ -36,7 +40,11 @@ def main() -> int:
             folder.mkdir(parents=True, exist_ok=True)
             write_files(outcome.case.files(), folder)
 
-    outcomes = run(cases, children=chosen.children, told=told)
+    if chosen.sample:
+        cases = sample(cases, chosen.sample)
+    outcomes = run(
+        cases, children=chosen.children, by_command=chosen.by_command, told=told
+    )
     for key in ("format", "kind"):
         print(text(by(outcomes, key), key), end="\n\n")
     for outcome in sorted(outcomes, key=lambda o: -o.seconds)[: chosen.slowest]:

@@ -30,6 +30,7 @@ from pathlib import Path
 from typing import Any
 
 from tests.fuzz.case import Case
+from tests.fuzz.command_line import judge_command
 from tests.fuzz.verdict import CRASH, HANG, MEMORY, Verdict, judge
 
 ROOT = Path(__file__).parents[2]
@@ -53,6 +54,8 @@ def run(
     cases: Sequence[Case],
     *,
     children: int = 2,
+    by_command: bool = False,
+    seconds: float = SECONDS,
     told: Callable[[Outcome], None] = lambda outcome: None,
 ) -> list[Outcome]:
     """Read all cases, in as many children at a time; outcomes in the order of the cases.
@@ -61,6 +64,10 @@ def run(
     ----------
     cases : sequence of Case
     children : int
+    by_command : bool
+        Whether the command line reads the cases, instead of the public functions.
+    seconds : float
+        Of the processor, for each case.
     told : callable
         Is given each outcome as it comes.
     """
@@ -74,7 +81,7 @@ def run(
 
     def work() -> None:
         try:
-            with _Child() as child:
+            with _Child({"by_command": by_command, "seconds": seconds}) as child:
                 while not faults:
                     k = waiting.get_nowait()
                     found[k] = child.read(cases[k])
@@ -100,7 +107,8 @@ _LARGE = {"large", "expansion", "many corners", "nesting"}
 class _Child:
     """A child process, made when it is needed and again when it has died."""
 
-    def __init__(self) -> None:
+    def __init__(self, how: dict[str, Any]) -> None:
+        self.how = how
         self.process: subprocess.Popen[bytes] | None = None
         self.folder = Path(tempfile.mkdtemp(prefix="moseg-fuzz-"))
         self.count = 0
@@ -119,7 +127,7 @@ class _Child:
         folder.mkdir()
         path = write_files(case.files(), folder)
         start = time.perf_counter()
-        verdict = self._asked(asked_of(case, path))
+        verdict = self._asked(asked_of(case, path) | self.how)
         seconds = time.perf_counter() - start
         shutil.rmtree(folder)
         return Outcome(case=case, verdict=verdict, seconds=seconds)
@@ -143,7 +151,7 @@ class _Child:
         said = self._last_words()
         self._end()
         if code == -signal.SIGPROF:
-            return Verdict(outcome=HANG, said=f"more than {SECONDS} s: {said}")
+            return Verdict(outcome=HANG, said=f"more than {self.how['seconds']} s: {said}")
         outcome = MEMORY if code == -signal.SIGKILL or "MemoryError" in said else CRASH
         return Verdict(outcome=outcome, said=f"exit code {code}: {said}")
 
@@ -206,8 +214,8 @@ def _serve(lines: Iterable[bytes]) -> None:
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     for line in lines:
         asked = json.loads(line)
-        signal.setitimer(signal.ITIMER_PROF, SECONDS)
-        verdict = judge(asked)
+        signal.setitimer(signal.ITIMER_PROF, asked["seconds"])
+        verdict = (judge_command if asked["by_command"] else judge)(asked)
         signal.setitimer(signal.ITIMER_PROF, 0)
         answers.write(json.dumps(asdict(verdict)).encode() + b"\n")
         gc.collect()

@@ -7,6 +7,7 @@ public functions, and looks at what comes out. It knows of the case what the gen
 from __future__ import annotations
 
 import math
+import os
 import tempfile
 import traceback
 import warnings
@@ -73,13 +74,16 @@ def judge(asked: dict[str, Any]) -> Verdict:
 
 def _of_message(text: str, error: BaseException, asked: dict[str, Any]) -> Verdict:
     """Whether a message is one: of a line, of bounded length, about the file and not the code."""
-    from moseg_core import ExpressionError, PluginError
+    from moseg_core import PluginError
+    from moseg_core.terminal import printable_message
 
     text = text.replace(str(Path(asked["path"]).parent), "")
-    lines = text.split("\n")
-    # An expression is repeated with a caret below it.
-    if len(lines) > (3 if isinstance(error, ExpressionError) else 1) or len(text) > _LONGEST:
-        return Verdict(outcome=MESSAGE, said=f"{len(lines)} lines, {len(text)} characters: {text:.300}")
+    # What is printed; an expression is repeated with a caret below it.
+    lines = printable_message(text).split("\n")
+    most = 3 if lines[-1].strip(" ^") == "" else 1
+    if len(lines) > most or len(text) > _LONGEST:
+        what = f"{len(lines)} lines, {len(text)} characters: {text:.300}"
+        return Verdict(outcome=MESSAGE, said=what)
     if isinstance(error, PluginError):
         return Verdict(outcome=INTERNAL, said=text)
     if asked["expected"] == SOUND:
@@ -218,7 +222,26 @@ def _read_expression(path: Path) -> _Found:
     return _Found(count=len(problem.terms), summary="terms", faults=faults)
 
 
+def _hang(path: Path) -> _Found:
+    while True:
+        pass
+
+
+def _crash(path: Path) -> _Found:
+    os.abort()
+
+
+def _err(path: Path) -> _Found:
+    raise RuntimeError("as a reader may")
+
+
+def _exhaust(path: Path) -> _Found:
+    return _Found(count=len(bytes(1 << 40)), summary="a terabyte")
+
+
 _TASKS = {
+    # What a child must survive, or die of by itself: tried in test_fuzz.py.
+    **{"hang": _hang, "crash": _crash, "error": _err, "exhaust": _exhaust},
     "shape": _read_shape,
     "labels": _read_labels,
     "result": _read_result,
