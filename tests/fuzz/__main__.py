@@ -1,8 +1,8 @@
 """``python -m tests.fuzz``: read all cases, or some, and say what became of them.
 
-``--only TEXT`` takes the cases whose key has the text, ``--keep FOLDER`` writes the files of what
-falls short, ``--slowest N`` lists what took longest, ``--sample N`` takes so many of every format and kind,
-``--by-command`` gives them to the command line.
+``--only TEXT`` takes the cases whose key has the text, ``--sample N`` so many of every format and
+kind. ``--by-command`` gives them to the command line. ``--keep FOLDER`` writes the files of what
+falls short, ``--slowest N`` lists what took longest.
 """
 
 from __future__ import annotations
@@ -42,9 +42,7 @@ def main() -> int:
 
     if chosen.sample:
         cases = sample(cases, chosen.sample)
-    outcomes = run(
-        cases, children=chosen.children, by_command=chosen.by_command, told=told
-    )
+    outcomes = run(cases, children=chosen.children, by_command=chosen.by_command, told=told)
     for key in ("format", "kind"):
         print(text(by(outcomes, key), key), end="\n\n")
     for outcome in sorted(outcomes, key=lambda o: -o.seconds)[: chosen.slowest]:

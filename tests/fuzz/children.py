@@ -10,6 +10,7 @@ Time of the processor is what counts, so that a busy machine changes nothing.
 
 from __future__ import annotations
 
+import contextlib
 import faulthandler
 import gc
 import json
@@ -22,16 +23,16 @@ import signal
 import subprocess
 import sys
 import tempfile
-import threading
 import time
 from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 from tests.fuzz.case import Case
 from tests.fuzz.command_line import judge_command
-from tests.fuzz.verdict import CRASH, HANG, MEMORY, Verdict, judge
+from tests.fuzz.verdict import CRASH, HANG, MEMORY, TRIALS, Verdict, judge
 
 ROOT = Path(__file__).parents[2]
 SECONDS = 20
@@ -77,27 +78,18 @@ def run(
     for k in order:
         waiting.put(k)
     found: dict[int, Outcome] = {}
-    faults: list[BaseException] = []
 
     def work() -> None:
-        try:
-            with _Child({"by_command": by_command, "seconds": seconds}) as child:
-                while not faults:
+        with _Child({"by_command": by_command, "seconds": seconds}) as child:
+            while not waiting.empty():
+                with contextlib.suppress(queue.Empty):  # another thread may have been faster
                     k = waiting.get_nowait()
                     found[k] = child.read(cases[k])
                     told(found[k])
-        except queue.Empty:
-            pass
-        except BaseException as error:  # told below, by the thread that asked
-            faults.append(error)
 
-    threads = [threading.Thread(target=work) for _ in range(children)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    if faults:
-        raise faults[0]
+    with ThreadPoolExecutor(children) as threads:
+        for done in [threads.submit(work) for _ in range(children)]:
+            done.result()
     return [found[k] for k in range(len(cases))]
 
 
@@ -157,15 +149,16 @@ class _Child:
 
     def _started(self) -> subprocess.Popen[bytes]:
         if self.process is None:
-            self.process = subprocess.Popen(
-                [sys.executable, "-m", "tests.fuzz.children"],
-                cwd=ROOT,
-                env=os.environ | dict.fromkeys(_ONE_THREAD, "1"),
-                stdin=subprocess.PIPE,
-                stdout=subprocess.PIPE,
-                stderr=(self.folder / "stderr").open("wb"),
-                start_new_session=True,
-            )
+            with (self.folder / "stderr").open("wb") as errors:
+                self.process = subprocess.Popen(
+                    [sys.executable, "-m", "tests.fuzz.children"],
+                    cwd=ROOT,
+                    env=os.environ | dict.fromkeys(_ONE_THREAD, "1"),
+                    stdin=subprocess.PIPE,
+                    stdout=subprocess.PIPE,
+                    stderr=errors,
+                    start_new_session=True,
+                )
         return self.process
 
     def _last_words(self) -> str:
@@ -208,15 +201,21 @@ def _serve(lines: Iterable[bytes]) -> None:
     os.dup2(2, 1)
     faulthandler.enable()
     faulthandler.register(signal.SIGPROF, chain=True)  # says where a hang hangs, then it dies
-    _warm_up()
-    limit = _size() + MEMORY_LIMIT
-    resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
+    warm = False
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     for line in lines:
         asked = json.loads(line)
+        if not warm and asked["task"] not in TRIALS:
+            _warm_up()
+            warm = True
+        # What is there now is neither looked through by each collection nor counted.
+        gc.freeze()
+        limit = _size() + MEMORY_LIMIT
+        resource.setrlimit(resource.RLIMIT_AS, (limit, resource.RLIM_INFINITY))
         signal.setitimer(signal.ITIMER_PROF, asked["seconds"])
         verdict = (judge_command if asked["by_command"] else judge)(asked)
         signal.setitimer(signal.ITIMER_PROF, 0)
+        resource.setrlimit(resource.RLIMIT_AS, (resource.RLIM_INFINITY,) * 2)
         answers.write(json.dumps(asdict(verdict)).encode() + b"\n")
         gc.collect()
 

@@ -47,7 +47,8 @@ def _columns() -> Iterator[Case]:
         ("a name of 100,000 characters", "x,y,z," + "w" * 100_000, lambda k: ",1", EITHER),
         ("20,000 columns", "x,y,z" + "".join(f",c{k}" for k in range(20_000)),
          lambda k: ",1" * 20_000, SOUND),
-        ("20,000 columns called the same", "x,y,z" + ",c" * 20_000, lambda k: ",1" * 20_000, EITHER),
+        ("20,000 columns called the same", "x,y,z" + ",c" * 20_000, lambda k: ",1" * 20_000,
+          EITHER),
         ("a name that is a formula", "x,y,z,=cmd|' /C calc'!A0", lambda k: ",1", EITHER),
         ("areas of words", "x,y,z,area", lambda k: ",large", REFUSED),
         ("areas below 0", "x,y,z,area", lambda k: ",-1", REFUSED),
@@ -77,21 +78,28 @@ def _rows() -> Iterator[Case]:
         (".xyz", "structure", "comments alone", lambda: b"# a\n" * 1000, REFUSED),
         (".xyz", "structure", "a header alone", lambda: b"x y z\n", REFUSED),
         (".csv", "structure", "a header alone", lambda: b"x,y,z\n", REFUSED),
-        (".csv", "structure", "decimal commas", lambda: plain.replace(b".", b",").replace(b" ", b";"),
+        (".csv", "structure", "decimal commas", lambda: plain.replace(b".", b",").replace(b" ",
+          b";"),
          SOUND),
-        (".csv", "structure", "separators of two kinds", lambda: plain.replace(b" ", b",", 20), EITHER),
-        (".csv", "structure", "a quote that does not end", lambda: b'"x,y,z\n' + _table(""), EITHER),
-        (".csv", "structure", "lines within quotes", lambda: b'x,y,z,"a\nb"\n' + _table("", lambda k: ",1"),
+        (".csv", "structure", "separators of two kinds", lambda: plain.replace(b" ", b",", 20),
+          EITHER),
+        (".csv", "structure", "a quote that does not end", lambda: b'"x,y,z\n' + _table(""),
+          EITHER),
+        (".csv", "structure", "lines within quotes", lambda: b'x,y,z,"a\nb"\n' + _table("",
+          lambda k: ",1"),
          EITHER),
-        (".csv", "structure", "300,000 commas in a row", lambda: _table("x,y,z") + b"," * 300_000 + b"\n",
+        (".csv", "structure", "300,000 commas in a row",
+          lambda: _table("x,y,z") + b"," * 300_000 + b"\n",
          REFUSED),
         (".csv", "structure", "a cell of 1,000,000 characters", lambda: _table(
             "x,y,z,a", lambda k: ",1") + b"1,2,3," + b"w" * 1_000_000 + b"\n", EITHER),
         *((".pts", "counts", f"announces {n}", lambda n=n: f"{n}\n".encode() + plain,
-           REFUSED) for n in ("0", "1", "23", "25", "2147483648", "18446744073709551616", "9" * 5000)),
+           REFUSED) for n in ("0", "1", "23", "25", "2147483648", "18446744073709551616",
+             "9" * 5000)),
         *((".pts", "counts", f"announces {n!r}", lambda n=n: f"{n}\n".encode() + plain,
            EITHER) for n in ("-24", "24.0", "2_4", "\u0662\u0664", "x", "+24", "1e1")),
-        (".pts", "counts", "a thousand empty lists", lambda: b"0\n" * 1000 + b"24\n" + plain, EITHER),
+        (".pts", "counts", "a thousand empty lists", lambda: b"0\n" * 1000 + b"24\n" + plain,
+          EITHER),
         (".pts", "counts", "a hundred lists", lambda: (b"24\n" + plain) * 100, EITHER),
     ]  # fmt: skip
     for suffix, kind, name, make, expected in known:
@@ -104,18 +112,27 @@ def _numbers() -> Iterator[Case]:
     plain = _table("", between=" ")
     for word, expected in (
         ("nan", EITHER), ("inf", EITHER), ("-inf", EITHER), ("1e999", EITHER), ("1e308", EITHER),
-        ("1e200", EITHER), ("1e155", EITHER), ("1e20", EITHER), ("1e-320", SOUND), ("0x10", REFUSED),
+        ("1e200", EITHER), ("1e155", EITHER), ("1e20", EITHER), ("1e-320", SOUND), ("0x10",
+          REFUSED),
         ("1_000", REFUSED), ("1e", REFUSED), ("--1", REFUSED), ("1.2.3", REFUSED), ("1,5", EITHER),
         ("\u0661", EITHER), ("1.#QNAN", EITHER), ("9" * 400, EITHER), ("9" * 1_000_000, EITHER),
-        ("0." + "0" * 1_000_000 + "1", SOUND), ("1" + "0" * 300, EITHER), ("NA", EITHER), ("null", EITHER),
+        ("0." + "0" * 1_000_000 + "1", SOUND), ("1" + "0" * 300, EITHER), ("NA", EITHER), ("null",
+          EITHER),
         ("infinity", EITHER), ("\u221e", REFUSED), ("\u22121", REFUSED), ("1\u00a02", EITHER),
     ):  # fmt: skip
         shown = word if len(word) < 20 else f"of {len(word)} characters"
         for suffix in (".xyz", ".csv"):
             between = " " if suffix == ".xyz" else ","
-            yield _case(suffix, "numbers", f"the coordinate {shown}",
-                        lambda w=word, b=between: plain.replace(b" ", b.encode())
-                        + b.join(("1", "2", w)).encode() + b"\n", expected, (25, 25))
+            yield _case(
+                suffix,
+                "numbers",
+                f"the coordinate {shown}",
+                lambda w=word, b=between: (
+                    plain.replace(b" ", b.encode()) + b.join(("1", "2", w)).encode() + b"\n"
+                ),
+                expected,
+                (25, 25),
+            )
     places: list[tuple[str, list[list[float]]]] = [
         ("one point", [[1, 2, 3]]), ("two points", [[0, 0, 0], [1, 1, 1]]),
         ("three points in a line", [[k, k, k] for k in range(3)]),
@@ -133,5 +150,12 @@ def _numbers() -> Iterator[Case]:
         kind = "large" if n > 10_000 else "no surface"
         expected = REFUSED if "nan" in name else EITHER
         yield _case(".xyz", kind, name, lambda p=points: rows(p).encode(), expected, (n, n))
-        yield Case(format="ply, points", suffix=".ply", kind=kind, name=name, expected=expected,
-                   elements=(n, n), make=lambda p=points: ply_header(len(p), None) + rows(p).encode())
+        yield Case(
+            format="ply, points",
+            suffix=".ply",
+            kind=kind,
+            name=name,
+            expected=expected,
+            elements=(n, n),
+            make=lambda p=points: ply_header(len(p), None) + rows(p).encode(),
+        )

@@ -19,6 +19,7 @@ from typing import Any
 
 from tests.fuzz.case import REFUSED, SOUND, Case
 from tests.fuzz.verdict import (
+    ANYTHING,
     INTERNAL,
     MESSAGE,
     NONSENSE,
@@ -87,7 +88,7 @@ def judge_command(asked: dict[str, Any]) -> Verdict:
             main(words_of(asked))
     except SystemExit as ended:
         code = ended.code
-    except BaseException as error:  # whatever it is, it is the finding
+    except ANYTHING as error:
         lines = traceback.format_exception(error)
         return Verdict(outcome=INTERNAL, said=f"{error!r:.300} {''.join(lines[-3:]):.600}")
     printed, said = out.getvalue(), err.getvalue()

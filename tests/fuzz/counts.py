@@ -43,42 +43,84 @@ def _shown(word: str) -> str:
 
 def _off() -> Iterator[Case]:
     vertices, faces = box()
-    said = [(f"{n} vertices and {m} faces", f"{n} {m} 0", REFUSED)
-            for n, m in ((23, 44), (25, 44), (24, 43), (24, 45), (68, 0), (0, 68))]
+    listed = rows([(3, *face) for face in faces])
+    said = [
+        (f"{n} vertices and {m} faces", f"{n} {m} 0", REFUSED)
+        for n, m in ((23, 44), (25, 44), (24, 43), (24, 45), (68, 0), (0, 68))
+    ]
     said += [(f"{_shown(w)} faces", f"24 {w} 0", EITHER if w in _ALLOWED else REFUSED)
              for w in WRONG_COUNTS]  # fmt: skip
     said += [(f"{_shown(w)} vertices", f"{w} 44 0", REFUSED) for w in WRONG_COUNTS]
     said += [(f"{_shown(w)} edges", f"24 44 {w}", EITHER) for w in WRONG_COUNTS]
     said += [("one count", "24", REFUSED), ("four counts", "24 44 0 0", REFUSED)]
     for name, counts, expected in said:
-        yield _case("off", ".off", "counts", name,
-                    lambda counts=counts: off(vertices, faces, counts=counts), expected)
+        yield _case(
+            "off",
+            ".off",
+            "counts",
+            name,
+            lambda counts=counts: off(vertices, faces, counts=counts),
+            expected,
+        )
     for word in WRONG_COUNTS:
-        yield _case("off", ".off", "counts", f"a face of {_shown(word)} corners", lambda w=word: (
-            f"OFF\n24 45 0\n{rows(vertices)}{rows([(3, *f) for f in faces])}{w} 0 1 2\n".encode()))
-        yield _case("off", ".off", "references", f"a vertex number {_shown(word)}", lambda w=word: (
-            f"OFF\n24 45 0\n{rows(vertices)}{rows([(3, *f) for f in faces])}3 1 2 {w}\n".encode()),
-            EITHER, (45, 45))
-        yield _case("off", ".off", "numbers", f"the coordinate {_shown(word)}", lambda w=word: (
-            f"OFF\n25 44 0\n{rows(vertices)}1 2 {w}\n{rows([(3, *f) for f in faces])}".encode()),
-            EITHER)
+        yield _case(
+            "off",
+            ".off",
+            "counts",
+            f"a face of {_shown(word)} corners",
+            lambda w=word: f"OFF\n24 45 0\n{rows(vertices)}{listed}{w} 0 1 2\n".encode(),
+        )
+        yield _case(
+            "off",
+            ".off",
+            "references",
+            f"a vertex number {_shown(word)}",
+            lambda w=word: f"OFF\n24 45 0\n{rows(vertices)}{listed}3 1 2 {w}\n".encode(),
+            EITHER,
+            (45, 45),
+        )
+        yield _case(
+            "off",
+            ".off",
+            "numbers",
+            f"the coordinate {_shown(word)}",
+            lambda w=word: (
+                f"OFF\n25 44 0\n{rows(vertices)}1 2 {w}\n{rows([(3, *f) for f in faces])}".encode()
+            ),
+            EITHER,
+        )
     for name, head in (("4OFF", b"4OFF"), ("nOFF", b"nOFF\n3"), ("OFF BINARY", b"OFF BINARY"),
-                       ("no keyword", b""), ("another keyword", b"OOF"), ("STCN4nOFF", b"STCN4nOFF"),
+                       ("no keyword", b""), ("another keyword", b"OOF"), ("STCN4nOFF",
+                         b"STCN4nOFF"),
                        ("a keyword of a megabyte", b"O" * 1_000_000)):  # fmt: skip
-        yield _case("off", ".off", "structure", name,
-                    lambda head=head: off(vertices, faces).replace(b"OFF", head, 1),
-                    SOUND if head == b"" else REFUSED)
+        yield _case(
+            "off",
+            ".off",
+            "structure",
+            name,
+            lambda head=head: off(vertices, faces).replace(b"OFF", head, 1),
+            SOUND if head == b"" else REFUSED,
+        )
     yield _case("off", ".off", "structure", "nothing but comments", b"# a\n" * 100_000)
 
 
 def _ply() -> Iterator[Case]:
     vertices, faces = box()
     body = (rows(vertices) + rows([(3, *f) for f in faces])).encode()
-    for what, of in (("vertices", lambda w: ply_header(w, 44)), ("faces", lambda w: ply_header(24, w))):
+    for what, of in (
+        ("vertices", lambda w: ply_header(w, 44)),
+        ("faces", lambda w: ply_header(24, w)),
+    ):
         for word in (*WRONG_COUNTS, *(("23", "25") if what == "vertices" else ("43", "45"))):
             expected = EITHER if word in _ALLOWED else REFUSED
-            yield _case("ply, text", ".ply", "counts", f"{_shown(word)} {what}",
-                        lambda of=of, w=word: of(w) + body, expected)
+            yield _case(
+                "ply, text",
+                ".ply",
+                "counts",
+                f"{_shown(word)} {what}",
+                lambda of=of, w=word: of(w) + body,
+                expected,
+            )
             yield _case(
                 "ply, binary", ".ply", "counts", f"{_shown(word)} {what}",
                 lambda of=of, w=word: of(w).replace(b"ascii", b"binary_little_endian").replace(
@@ -86,10 +128,22 @@ def _ply() -> Iterator[Case]:
                 expected)  # fmt: skip
     for word in WRONG_COUNTS:
         head = ply_header(24, 45)
-        yield _case("ply, text", ".ply", "counts", f"a list of {_shown(word)}",
-                    lambda w=word, head=head: head + body + f"{w} 0 1 2\n".encode())
-        yield _case("ply, text", ".ply", "references", f"a vertex number {_shown(word)}",
-                    lambda w=word, head=head: head + body + f"3 1 2 {w}\n".encode(), EITHER, (45,) * 2)
+        yield _case(
+            "ply, text",
+            ".ply",
+            "counts",
+            f"a list of {_shown(word)}",
+            lambda w=word, head=head: head + body + f"{w} 0 1 2\n".encode(),
+        )
+        yield _case(
+            "ply, text",
+            ".ply",
+            "references",
+            f"a vertex number {_shown(word)}",
+            lambda w=word, head=head: head + body + f"3 1 2 {w}\n".encode(),
+            EITHER,
+            (45,) * 2,
+        )
     for name, length, corner in (("char", "b", "i"), ("int", "i", "i"), ("uint", "I", "i"),
                                  ("short", "h", "i"), ("int64", "q", "i"), ("uint64", "Q", "i"),
                                  ("uchar", "B", "q"), ("uchar", "B", "Q")):  # fmt: skip
@@ -101,9 +155,15 @@ def _ply() -> Iterator[Case]:
                 head = head.replace(b"uchar int", f"{name} {kinds[corner]}".encode())
                 data = head + np.asarray(vertices, "<f8").tobytes() + struct.pack(
                     f"<{length}3{corner}", value, 0, 1, index)  # fmt: skip
-                yield _case("ply, binary", ".ply", "counts",
-                            f"{name} {value} of {kinds[corner]}, the last {index}", data,
-                            SOUND if (value, index) == (3, 2) else EITHER, (1, 24))
+                yield _case(
+                    "ply, binary",
+                    ".ply",
+                    "counts",
+                    f"{name} {value} of {kinds[corner]}, the last {index}",
+                    data,
+                    SOUND if (value, index) == (3, 2) else EITHER,
+                    (1, 24),
+                )
     yield from _ply_headers(body)
 
 
@@ -132,8 +192,12 @@ def _ply_headers(body: bytes) -> Iterator[Case]:
                   REFUSED)  # fmt: skip
     yield changed("an element without a name", b"element face 44", b"element 44", REFUSED)
     yield changed("an empty element of 2^40 rows", end, b"element nothing 1099511627776\n" + end)
-    yield changed("an empty element of 10^17 rows", end, b"element nothing " + b"9" * 17 + b"\n" + end)
-    yield changed("strips of triangles", end, b"element tristrips 0\nproperty list int int v\n" + end)
+    yield changed(
+        "an empty element of 10^17 rows", end, b"element nothing " + b"9" * 17 + b"\n" + end
+    )
+    yield changed(
+        "strips of triangles", end, b"element tristrips 0\nproperty list int int v\n" + end
+    )
     for n in (20_000, 50_000):
         many = b"".join(b"property int p%d\n" % k for k in range(n))
         yield changed(f"{n} properties of vertices", xyz, xyz + many)
@@ -143,14 +207,29 @@ def _ply_headers(body: bytes) -> Iterator[Case]:
     yield changed("300,000 comments", end, b"comment a\n" * 300_000 + end)
     yield changed("a name of 100,000 characters", b"element face", b"element " + b"f" * 100_000
                   + b" 0\nelement face")  # fmt: skip
-    yield changed("a name of escapes", b"element face 44",
-                  b"element \x1b]0;a\x07 1\nproperty int \x1b[2J\nelement face 44", REFUSED)
-    yield changed("an element of 10^6 empty lists", end,
-                  b"element e 1000000\nproperty list uchar int v\n" + end, REFUSED)
+    yield changed(
+        "a name of escapes",
+        b"element face 44",
+        b"element \x1b]0;a\x07 1\nproperty int \x1b[2J\nelement face 44",
+        REFUSED,
+    )
+    yield changed(
+        "an element of 10^6 empty lists",
+        end,
+        b"element e 1000000\nproperty list uchar int v\n" + end,
+        REFUSED,
+    )
     head = ply_header(24, None, format="binary_little_endian", number="double")
     points = np.asarray(vertices, "<f8").tobytes()
-    yield _case("ply, binary", ".ply", "expansion", "2^40 rows of nothing behind the points",
-                head.replace(end, b"element n 1099511627776\n" + end) + points, EITHER, (24, 24))
+    yield _case(
+        "ply, binary",
+        ".ply",
+        "expansion",
+        "2^40 rows of nothing behind the points",
+        head.replace(end, b"element n 1099511627776\n" + end) + points,
+        EITHER,
+        (24, 24),
+    )
     many = b"".join(b"property list uchar int p%d\n" % k for k in range(20_000))
     yield _case("ply, binary", ".ply", "expansion", "20,000 empty lists in a row",
                 head.replace(end, b"element n 50\n" + many + end) + points + bytes(50 * 20_000),
@@ -198,32 +277,70 @@ def _obj() -> Iterator[Case]:
         ("a weight of zero", b"v 1 2 3 0"),
     ):  # fmt: skip
         yield added("structure", name, lines, EITHER, 30_045)
-    yield _case("obj", ".obj", "structure", "corners before their vertices",
-                b"f 1 2 3\nv 0 0 0\nv 1 0 0\nv 0 1 0\n", EITHER, (1, 1))
+    yield _case(
+        "obj",
+        ".obj",
+        "structure",
+        "corners before their vertices",
+        b"f 1 2 3\nv 0 0 0\nv 1 0 0\nv 0 1 0\n",
+        EITHER,
+        (1, 1),
+    )
 
 
 def _stl() -> Iterator[Case]:
     vertices, faces = box()
     for count in (0, 1, 43, 45, 2**16, 2**31, 2**32 - 1):
-        yield _case("stl, binary", ".stl", "counts", f"{count} triangles",
-                    lambda n=count: stl_binary(vertices, faces, count=n))
+        yield _case(
+            "stl, binary",
+            ".stl",
+            "counts",
+            f"{count} triangles",
+            lambda n=count: stl_binary(vertices, faces, count=n),
+        )
     binary = stl_binary(vertices, faces)
-    yield _case("stl, binary", ".stl", "structure", "begins with 'solid'",
-                lambda: b"solid box".ljust(80) + binary[80:], SOUND)
-    yield _case("stl, binary", ".stl", "structure", "a header of escapes",
-                lambda: (b"\x1b]0;owned\x07" * 10)[:80] + binary[80:], SOUND)
+    yield _case(
+        "stl, binary",
+        ".stl",
+        "structure",
+        "begins with 'solid'",
+        lambda: b"solid box".ljust(80) + binary[80:],
+        SOUND,
+    )
+    yield _case(
+        "stl, binary",
+        ".stl",
+        "structure",
+        "a header of escapes",
+        lambda: (b"\x1b]0;owned\x07" * 10)[:80] + binary[80:],
+        SOUND,
+    )
     for over in (1, 2, 49, 50, 51, 512, 5000):
-        yield _case("stl, binary", ".stl", "counts", f"{over} bytes of noise behind",
-                    lambda n=over: binary + bytes(1 + k % 255 for k in range(n)), EITHER)
-        yield _case("stl, binary", ".stl", "counts", f"{over} zeros behind",
-                    lambda n=over: binary + bytes(n), EITHER)
+        yield _case(
+            "stl, binary",
+            ".stl",
+            "counts",
+            f"{over} bytes of noise behind",
+            lambda n=over: binary + bytes(1 + k % 255 for k in range(n)),
+            EITHER,
+        )
+        yield _case(
+            "stl, binary",
+            ".stl",
+            "counts",
+            f"{over} zeros behind",
+            lambda n=over: binary + bytes(n),
+            EITHER,
+        )
     for name, value in (("nan", np.nan), ("inf", np.inf), ("3e38", 3e38), ("1e-45", 1e-45)):
-        yield _case("stl, binary", ".stl", "numbers", f"normals of {name}", lambda v=value: b"".join(
+        yield _case("stl, binary", ".stl", "numbers", f"normals of {name}",
+          lambda v=value: b"".join(
             [binary[:84], *(struct.pack("<3f", v, v, v) + binary[k + 12:k + 50]
                             for k in range(84, len(binary), 50))]), SOUND)  # fmt: skip
     text = stl(vertices, faces)
     for name, old, new in (
-        ("no end of the solid", b"endsolid box\n", b""), ("a solid in a solid", b"facet", b"solid a\nfacet"),
+        ("no end of the solid", b"endsolid box\n", b""), ("a solid in a solid", b"facet",
+          b"solid a\nfacet"),
         ("a facet of four corners", b"endloop", b"vertex 0 0 0\nendloop"),
         ("a facet of two corners", b"vertex 0 0 0\n", b""), ("no loop", b"outer loop\n", b""),
         ("a word for a number", b"vertex 0", b"vertex zero"),
@@ -233,7 +350,14 @@ def _stl() -> Iterator[Case]:
         ("text behind the end", b"endsolid box\n", b"endsolid box\nhello\n"),
         ("a normal of words", b"normal 0 0 0", b"normal a b c"),
     ):  # fmt: skip
-        yield _case("stl, text", ".stl", "structure", name,
-                    lambda old=old, new=new: text.replace(old, new, 1), EITHER)
-    yield _case("stl, text", ".stl", "structure", "100,000 empty solids",
-                b"solid a\nendsolid a\n" * 100_000)
+        yield _case(
+            "stl, text",
+            ".stl",
+            "structure",
+            name,
+            lambda old=old, new=new: text.replace(old, new, 1),
+            EITHER,
+        )
+    yield _case(
+        "stl, text", ".stl", "structure", "100,000 empty solids", b"solid a\nendsolid a\n" * 100_000
+    )

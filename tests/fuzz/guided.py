@@ -1,4 +1,4 @@
-"""Fuzzing that is guided by coverage, with atheris: bytes that reach new lines are kept and changed.
+"""Fuzzing guided by coverage, with atheris: bytes that reach new lines are kept and changed again.
 
 ::
 
@@ -29,7 +29,9 @@ _WATCHED = ("moseg_core.io.", "moseg_core.language.", "moseg_core.problem.")
 def _unwatched() -> list[str]:
     """All other modules of the core; atheris wants each by its full name."""
     package = ROOT / "moseg_core"
-    names = [".".join(file.relative_to(ROOT).with_suffix("").parts) for file in package.rglob("*.py")]
+    names = [
+        ".".join(file.relative_to(ROOT).with_suffix("").parts) for file in package.rglob("*.py")
+    ]
     whole = [name.removesuffix(".__init__") for name in names]
     return [name for name in whole if not f"{name}.".startswith(_WATCHED)]
 

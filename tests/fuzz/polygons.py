@@ -81,7 +81,7 @@ def fan(n: int) -> Mesh:
 
 def pieces(n: int, apart: float = 3.0) -> Mesh:
     """Single triangles in a row."""
-    vertices = np.concatenate([np.array(_UNIT) + (apart * k, 0, 0) for k in range(n)])
+    vertices = np.concatenate([_UNIT + apart * k * np.eye(3)[0] for k in range(n)])
     return vertices, np.arange(3 * n).reshape(-1, 3).tolist()
 
 
@@ -152,31 +152,78 @@ def geometries() -> Iterator[Geometry]:
                        (box()[0] + (3, 2, 1)).tolist(), (box()[1] + 24).tolist()))  # fmt: skip
     yield Geometry(kind=strange, name="one triangle", mesh=lambda: (_UNIT, [(0, 1, 2)]),
                    elements=(1, 1), area=0.5)  # fmt: skip
-    yield Geometry(kind=strange, name="a triangle and its back",
-                   mesh=lambda: (_UNIT, [(0, 1, 2), (2, 1, 0)]), elements=(2, 2), area=1.0)
-    yield Geometry(kind=strange, name="half of the faces turned over", elements=_N, area=_A,
-                   mesh=lambda: (box()[0], [f[::-1] if k % 2 else f
-                                            for k, f in enumerate(box()[1].tolist())]))
-    yield Geometry(kind=strange, name="a box in a box", elements=(88, 88), area=27.5,
-                   mesh=lambda: with_box((box()[0] / 2 + 0.2).tolist(), (box()[1] + 24).tolist()))
-    yield Geometry(kind=strange, name="a face without area among others", elements=(45, 45), area=_A,
-                   mesh=lambda: with_box(faces=[(0, 0, 1)]))
-    yield Geometry(kind=strange, name="a needle among others", elements=(45, 45), area=_A,
-                   mesh=lambda: with_box([(0, 0, 0), (3, 0, 0), (1, 1e-15, 0)], [(24, 25, 26)]))
-    yield Geometry(kind=strange, name="vertices of no face", elements=_N, area=_A,
-                   mesh=lambda: with_box([(9, 9, 9)] * 1000))
+    yield Geometry(
+        kind=strange,
+        name="a triangle and its back",
+        mesh=lambda: (_UNIT, [(0, 1, 2), (2, 1, 0)]),
+        elements=(2, 2),
+        area=1.0,
+    )
+    yield Geometry(
+        kind=strange,
+        name="half of the faces turned over",
+        elements=_N,
+        area=_A,
+        mesh=lambda: (box()[0], [f[::-1] if k % 2 else f for k, f in enumerate(box()[1].tolist())]),
+    )
+    yield Geometry(
+        kind=strange,
+        name="a box in a box",
+        elements=(88, 88),
+        area=27.5,
+        mesh=lambda: with_box((box()[0] / 2 + 0.2).tolist(), (box()[1] + 24).tolist()),
+    )
+    yield Geometry(
+        kind=strange,
+        name="a face without area among others",
+        elements=(45, 45),
+        area=_A,
+        mesh=lambda: with_box(faces=[(0, 0, 1)]),
+    )
+    yield Geometry(
+        kind=strange,
+        name="a needle among others",
+        elements=(45, 45),
+        area=_A,
+        mesh=lambda: with_box([(0, 0, 0), (3, 0, 0), (1, 1e-15, 0)], [(24, 25, 26)]),
+    )
+    yield Geometry(
+        kind=strange,
+        name="vertices of no face",
+        elements=_N,
+        area=_A,
+        mesh=lambda: with_box([(9, 9, 9)] * 1000),
+    )
     for name, x in _NO_PLACE:
         yield Geometry(kind="numbers", name=f"{name}, in no face", elements=_N, area=_A,
                        mesh=lambda x=x: with_box([(x, 0, 0)]))  # fmt: skip
         yield Geometry(kind="numbers", name=f"{name}, in a face", expected=REFUSED,
                        mesh=lambda x=x: moved(5, (0, x, 0)))  # fmt: skip
     for name, x in _FAR:
-        yield Geometry(kind="numbers", name=f"a vertex at {name}", expected=EITHER, elements=_N,
-                       mesh=lambda x=x: moved(5, (0, x, 0)), single=x < 1e38)
-        yield Geometry(kind="numbers", name=f"all at {name}", expected=EITHER, elements=_N,
-                       mesh=lambda x=x: placed(1.0, x), single=x < 1e38)
-        yield Geometry(kind="numbers", name=f"as large as {name}", expected=EITHER, elements=_N,
-                       mesh=lambda x=x: placed(x / 4), single=x < 1e38)
+        yield Geometry(
+            kind="numbers",
+            name=f"a vertex at {name}",
+            expected=EITHER,
+            elements=_N,
+            mesh=lambda x=x: moved(5, (0, x, 0)),
+            single=x < 1e38,
+        )
+        yield Geometry(
+            kind="numbers",
+            name=f"all at {name}",
+            expected=EITHER,
+            elements=_N,
+            mesh=lambda x=x: placed(1.0, x),
+            single=x < 1e38,
+        )
+        yield Geometry(
+            kind="numbers",
+            name=f"as large as {name}",
+            expected=EITHER,
+            elements=_N,
+            mesh=lambda x=x: placed(x / 4),
+            single=x < 1e38,
+        )
     for scale in (1e-3, 1e-12, 1e-30):
         yield Geometry(kind="numbers", name=f"as small as {scale:g}", elements=_N,
                        area=_A * scale**2, mesh=lambda s=scale: placed(s))  # fmt: skip
@@ -194,11 +241,18 @@ def geometries() -> Iterator[Geometry]:
     yield Geometry(kind=bad, name="nothing", mesh=lambda: ([], []), expected=REFUSED)
     yield Geometry(kind=bad, name="faces of no vertices", expected=REFUSED,
                    mesh=lambda: ([], [(0, 1, 2)]))  # fmt: skip
-    yield Geometry(kind=bad, name="all in a line", expected=REFUSED,
-                   mesh=lambda: ([(k, 2 * k, 3 * k) for k in range(9)],
-                                 [(k, k + 1, k + 2) for k in range(7)]))
-    yield Geometry(kind=bad, name="all in one place", expected=REFUSED,
-                   mesh=lambda: ([(1, 2, 3)] * 24, box()[1].tolist()))
+    yield Geometry(
+        kind=bad,
+        name="all in a line",
+        expected=REFUSED,
+        mesh=lambda: ([(k, 2 * k, 3 * k) for k in range(9)], [(k, k + 1, k + 2) for k in range(7)]),
+    )
+    yield Geometry(
+        kind=bad,
+        name="all in one place",
+        expected=REFUSED,
+        mesh=lambda: ([(1, 2, 3)] * 24, box()[1].tolist()),
+    )
     yield Geometry(kind=bad, name="each face names one vertex", expected=REFUSED,
                    mesh=lambda: (box()[0], [(k, k, k) for k in range(24)]))  # fmt: skip
     for name, index in (("one too large", 24), ("2^31", 2**31), ("2^32 - 1", 2**32 - 1)):
@@ -209,10 +263,20 @@ def geometries() -> Iterator[Geometry]:
     yield Geometry(kind=many, name="one face 20,000 times", expected=EITHER,
                    mesh=lambda: (_UNIT, [(0, 1, 2)] * 20_000), elements=(20_000,) * 2,
                    area=10_000.0)  # fmt: skip
-    yield Geometry(kind=many, name="100,000 vertices of no face", elements=_N, area=_A,
-                   mesh=lambda: with_box([(1, 1, 1)] * 100_000))
-    yield Geometry(kind=many, name="a chain of near vertices", expected=EITHER,
-                   mesh=lambda: near_chain(5000), elements=(4999, 4999))
+    yield Geometry(
+        kind=many,
+        name="100,000 vertices of no face",
+        elements=_N,
+        area=_A,
+        mesh=lambda: with_box([(1, 1, 1)] * 100_000),
+    )
+    yield Geometry(
+        kind=many,
+        name="a chain of near vertices",
+        expected=EITHER,
+        mesh=lambda: near_chain(5000),
+        elements=(4999, 4999),
+    )
     yield from _polygons()
 
 
@@ -252,7 +316,7 @@ def _quantised(vertices: Any, faces: Any) -> tuple[np.ndarray, Any]:
 
 
 def _scene(vertices: Any, faces: Any) -> bytes:
-    points, corners = _quantised(vertices, faces)
+    points, _ = _quantised(vertices, faces)
     return glb(*scene(points, np.asarray(faces, np.uint32).reshape(-1, 3)))
 
 

@@ -55,7 +55,8 @@ _MEMBERS: tuple[tuple[Any, ...], ...] = (
     ("accessors", 0, "componentType"), ("accessors", 1, "componentType"), ("accessors", 0, "type"),
     ("accessors", 0, "bufferView"), ("accessors", 0, "normalized"), ("accessors", 0, "sparse"),
     ("bufferViews", 0, "byteLength"), ("bufferViews", 0, "byteOffset"),
-    ("bufferViews", 0, "byteStride"), ("bufferViews", 0, "buffer"), ("bufferViews", 0, "extensions"),
+    ("bufferViews", 0, "byteStride"), ("bufferViews", 0, "buffer"), ("bufferViews", 0,
+      "extensions"),
     ("buffers", 0, "byteLength"), ("buffers", 0, "uri"), ("buffers",), ("bufferViews",),
     ("accessors",), ("meshes",), ("nodes",), ("scenes",), ("scene",), ("scenes", 0, "nodes"),
     ("nodes", 0, "mesh"), ("nodes", 0, "children"), ("nodes", 0, "skin"), ("nodes", 0, "matrix"),
@@ -75,13 +76,18 @@ def _members() -> Iterator[Case]:
     for path in _MEMBERS:
         for value in WRONG_VALUES:
             where, shown = ".".join(map(str, path)), json.dumps(value)[:24]
-            yield _changed("structure", f"{where}: {shown}",
-                           lambda d, path=path, value=value: _put(d, path, value))
+            yield _changed(
+                "structure",
+                f"{where}: {shown}",
+                lambda d, path=path, value=value: _put(d, path, value),
+            )
     for path in (("accessors", 0, "count"), ("accessors", 1, "count")):
         for step in (-1, 1):
             yield _changed(
-                "counts", f"{path[0]}[{path[1]}]: {step:+}",
-                lambda d, path=path, step=step: _put(d, path, d[path[0]][path[1]]["count"] + step))
+                "counts",
+                f"{path[0]}[{path[1]}]: {step:+}",
+                lambda d, path=path, step=step: _put(d, path, d[path[0]][path[1]]["count"] + step),
+            )
 
 
 def _all(*done: Any) -> None:
@@ -132,25 +138,45 @@ def _structures() -> Iterator[Case]:
     for mode in (*range(8), 255):
         yield _changed("structure", f"mode {mode}", lambda d, mode=mode: _put(
             d, ("meshes", 0, "primitives", 0, "mode"), mode), EITHER, (1, 132))  # fmt: skip
-    for name, value in (("nan", "NaN"), ("inf", "Infinity"), ("1e999", "1e999"), ("1e300", "1e300"),
-                        ("-1e300", "-1e300"), ("1e-300", "1e-300"), ("0", "0"), ("1e38", "1e38"),
-                        ("-1", "-1"), ("1e20", "1e20"), ("1" + "0" * 400, "1" + "0" * 400)):
+    for name, value in (
+        ("nan", "NaN"),
+        ("inf", "Infinity"),
+        ("1e999", "1e999"),
+        ("1e300", "1e300"),
+        ("-1e300", "-1e300"),
+        ("1e-300", "1e-300"),
+        ("0", "0"),
+        ("1e38", "1e38"),
+        ("-1", "-1"),
+        ("1e20", "1e20"),
+        ("1" + "0" * 400, "1" + "0" * 400),
+    ):
         for member, length in (("scale", 3), ("translation", 3), ("rotation", 4), ("matrix", 16)):
-            def text(d: dict[str, Any], member: str = member, n: int = length,
-                     value: str = value) -> bytes:
+
+            def text(
+                d: dict[str, Any], member: str = member, n: int = length, value: str = value
+            ) -> bytes:
                 d["nodes"][0][member] = ["?"] * n
                 return json.dumps(d).replace('"?"', value).encode()
 
             shown = name if len(name) < 20 else "a number of 400 digits"
             yield _changed(numbers, f"{member} of {shown}", text, EITHER, (44, 44))
     for name, value in (("nan", np.nan), ("inf", np.inf), ("3e38", 3e38), ("1e-45", 1e-45)):
+
         def places(value: float = value) -> bytes:
             document, binary = scene(*box())
             return glb(document, struct.pack("<f", value) + binary[4:])
 
-        yield Case(format="glb", suffix=".glb", kind=numbers, name=f"a place at {name}",
-                   make=places, elements=(44, 44))
-    for name, word in (("escapes", "\x1b]0;owned\x07\x1b[2J"), ("marks of direction", "\u202egnp\u2066"),
+        yield Case(
+            format="glb",
+            suffix=".glb",
+            kind=numbers,
+            name=f"a place at {name}",
+            make=places,
+            elements=(44, 44),
+        )
+    for name, word in (("escapes", "\x1b]0;owned\x07\x1b[2J"), ("marks of direction",
+      "\u202egnp\u2066"),
                        ("10,000 characters", "x" * 10_000), ("lines", "a\nb\r\nc"), ("NUL", "a\0b"),
                        ("half of a pair", "\ud800"), ("markup", "[/x][red]<b>&")):  # fmt: skip
         for what, change in (
@@ -165,8 +191,13 @@ def _structures() -> Iterator[Case]:
             ("an unknown member", lambda d, w=word: d.update({w: w})),
         ):  # fmt: skip
             sound = what in ("a node", "an unknown member", "a material")
-            yield _changed("names", f"{name} as the name of {what}", change,
-                           EITHER if sound else REFUSED, (44, 44))
+            yield _changed(
+                "names",
+                f"{name} as the name of {what}",
+                change,
+                EITHER if sound else REFUSED,
+                (44, 44),
+            )
 
 
 def _addresses() -> Iterator[Case]:
@@ -187,8 +218,14 @@ def _addresses() -> Iterator[Case]:
             return {"": text, "sub/box.bin": binary, "inside.bin": binary}
 
         shown = uri if len(uri) < 40 else f"{len(uri)} characters"
-        yield Case(format="gltf", suffix=".gltf", kind="references", name=f"data at '{shown}'",
-                   make=make, expected=REFUSED)
+        yield Case(
+            format="gltf",
+            suffix=".gltf",
+            kind="references",
+            name=f"data at '{shown}'",
+            make=make,
+            expected=REFUSED,
+        )
     for uri in ("sub/box.bin", "./inside.bin", "sub%2Fbox.bin", "sub/../inside.bin"):
 
         def sound(uri: str = uri) -> Made:
@@ -197,16 +234,28 @@ def _addresses() -> Iterator[Case]:
             files = {"sub/box.bin": binary, "inside.bin": binary}
             return {"": json.dumps(document).encode(), **files}
 
-        yield Case(format="gltf", suffix=".gltf", kind="references", name=f"data at '{uri}'",
-                   make=sound, expected=SOUND, elements=(44, 44))
+        yield Case(
+            format="gltf",
+            suffix=".gltf",
+            kind="references",
+            name=f"data at '{uri}'",
+            make=sound,
+            expected=SOUND,
+            elements=(44, 44),
+        )
 
 
 def _bombs() -> Iterator[Case]:
     """Small files that stand for very many triangles."""
     kind = "expansion"
     for n in (500, 20_000):
-        yield _changed(kind, f"one mesh at {n} nodes in one place", lambda d, n=n: d.update(
-            nodes=[{"mesh": 0}] * n, scenes=[{"nodes": list(range(n))}]), EITHER, (44 * n, 44 * n))
+        yield _changed(
+            kind,
+            f"one mesh at {n} nodes in one place",
+            lambda d, n=n: d.update(nodes=[{"mesh": 0}] * n, scenes=[{"nodes": list(range(n))}]),
+            EITHER,
+            (44 * n, 44 * n),
+        )
         yield _changed(kind, f"one mesh at {n} nodes apart", lambda d, n=n: d.update(
             nodes=[{"mesh": 0, "translation": [4 * k, 0, 0]} for k in range(n)],
             scenes=[{"nodes": list(range(n))}]), EITHER, (44 * n, 44 * n))  # fmt: skip
@@ -221,8 +270,13 @@ def _bombs() -> Iterator[Case]:
         d.pop("scenes"), d.pop("scene")), SOUND, (44, 44))  # fmt: skip
     yield _changed(kind, "300,000 nodes without a mesh", lambda d: d.update(
         nodes=[{"mesh": 0}] + [{}] * 300_000), SOUND, (44, 44))  # fmt: skip
-    yield _changed(kind, "50,000 accessors of all the bytes", lambda d: d.update(
-        accessors=d["accessors"] + d["accessors"][:1] * 50_000), SOUND, (44, 44))
+    yield _changed(
+        kind,
+        "50,000 accessors of all the bytes",
+        lambda d: d.update(accessors=d["accessors"] + d["accessors"][:1] * 50_000),
+        SOUND,
+        (44, 44),
+    )
     yield _changed(kind, "a stride of nothing", lambda d: _all(
         _put(d, ("accessors", 0, "count"), 10**9), _put(d, ("bufferViews", 0, "byteStride"), 0)
     ), REFUSED)  # fmt: skip
@@ -268,14 +322,22 @@ def _containers() -> Iterator[Case]:
         ("50 bytes behind", whole + bytes(50), EITHER),
     ]  # fmt: skip
     for name, data, expected in known:
-        yield Case(format="glb", suffix=".glb", kind="counts", name=name, make=lambda d=data: d,
-                   expected=expected, elements=(44, 44))
+        yield Case(
+            format="glb",
+            suffix=".glb",
+            kind="counts",
+            name=name,
+            make=lambda d=data: d,
+            expected=expected,
+            elements=(44, 44),
+        )
 
 
 def _documents() -> Iterator[Case]:
     """The JSON itself."""
     known: list[tuple[str, str, bytes]] = [
-        *(("nesting", f"{n} lists in each other", b"[" * n + b"]" * n) for n in (500, 2000, 100_000)),
+        *(("nesting", f"{n} lists in each other", b"[" * n + b"]" * n) for n in (500, 2000,
+          100_000)),
         *(("nesting", f"{n} open lists", b"[" * n) for n in (500, 2000, 1_000_000)),
         *(("nesting", f"{n} objects in each other", b'{"a":' * n + b"1" + b"}" * n)
           for n in (500, 2000, 100_000)),
@@ -287,13 +349,26 @@ def _documents() -> Iterator[Case]:
          + b"9" * 3_000_000 + b"}"),
         ("encoding", "half of a pair as a version", b'{"asset":{"version":"\\ud800"}}'),
         ("encoding", "a version that is not UTF-8", b'{"asset":{"version":"\xff\xfe"}}'),
-        ("structure", "300,000 members", b"{" + b",".join(b'"%d":1' % k for k in range(300_000)) + b"}"),
+        ("structure", "300,000 members",
+          b"{" + b",".join(b'"%d":1' % k for k in range(300_000)) + b"}"),
     ]  # fmt: skip
     for kind, name, text in known:
-        yield Case(format="glb", suffix=".glb", kind=kind, name=name, expected=REFUSED,
-                   make=lambda text=text: glb(text, b""))
-        yield Case(format="gltf", suffix=".gltf", kind=kind, name=name, expected=REFUSED,
-                   make=lambda text=text: text)
+        yield Case(
+            format="glb",
+            suffix=".glb",
+            kind=kind,
+            name=name,
+            expected=REFUSED,
+            make=lambda text=text: glb(text, b""),
+        )
+        yield Case(
+            format="gltf",
+            suffix=".gltf",
+            kind=kind,
+            name=name,
+            expected=REFUSED,
+            make=lambda text=text: text,
+        )
     for n in (500, 2000, 50_000):
 
         def extras(n: int = n) -> bytes:
@@ -301,8 +376,19 @@ def _documents() -> Iterator[Case]:
             document["extras"] = "?"
             return glb(json.dumps(document).replace('"?"', "[" * n + "]" * n).encode(), binary)
 
-        yield Case(format="glb", suffix=".glb", kind="nesting", name=f"extras {n} deep", make=extras,
-                   elements=(44, 44))
-    yield Case(format="gltf", suffix=".gltf", kind="structure", name="a member twice",
-               make=lambda: gltf(*scene(*box())).replace(b'"scene": 0', b'"scene": 7, "scene": 0'),
-               elements=(44, 44))
+        yield Case(
+            format="glb",
+            suffix=".glb",
+            kind="nesting",
+            name=f"extras {n} deep",
+            make=extras,
+            elements=(44, 44),
+        )
+    yield Case(
+        format="gltf",
+        suffix=".gltf",
+        kind="structure",
+        name="a member twice",
+        make=lambda: gltf(*scene(*box())).replace(b'"scene": 0', b'"scene": 7, "scene": 0'),
+        elements=(44, 44),
+    )

@@ -75,7 +75,9 @@ def test_a_case_is_the_same_bytes_each_time():
 
 
 def _case(data: bytes, **known) -> Case:
-    return Case(format="off", kind="k", name=str(known), suffix=".off", make=constant(data), **known)
+    return Case(
+        format="off", kind="k", name=str(known), suffix=".off", make=constant(data), **known
+    )
 
 
 def test_nonsense_and_wrong_refusals_are_found():

@@ -27,7 +27,10 @@ INTERNAL, MESSAGE = "internal error", "message of many lines or too long"
 NONSENSE, WRONGLY_REFUSED, WARNED = "nonsense accepted", "refused though sound", "NumPy's warning"
 BAD = (HANG, CRASH, MEMORY, INTERNAL, MESSAGE, NONSENSE, WRONGLY_REFUSED, WARNED)
 
-_LONGEST = 1000
+ANYTHING: tuple[type[BaseException], ...] = (Exception, SystemExit)
+"""What may come out of moseg instead of its own errors; whatever it is, it is the finding."""
+
+_LONGEST = 2000
 """Characters of a message, without the path of the file."""
 
 
@@ -59,7 +62,7 @@ def judge(asked: dict[str, Any]) -> Verdict:
             return _of_message(str(error), error, asked)
         except MemoryError as error:
             return Verdict(outcome=MEMORY, said=repr(error))
-        except (Exception, SystemExit) as error:  # whatever it is, it is the finding
+        except ANYTHING as error:
             lines = traceback.format_exception(error)
             return Verdict(outcome=INTERNAL, said=f"{error!r:.300} {''.join(lines[-3:]):.600}")
     said = [w for w in caught if not issubclass(w.category, DeprecationWarning)]
@@ -239,9 +242,11 @@ def _exhaust(path: Path) -> _Found:
     return _Found(count=len(bytes(1 << 40)), summary="a terabyte")
 
 
+TRIALS = {"hang": _hang, "crash": _crash, "error": _err, "exhaust": _exhaust}
+"""What a child must tell, or die of alone; tried in test_fuzz.py."""
+
 _TASKS = {
-    # What a child must survive, or die of by itself: tried in test_fuzz.py.
-    **{"hang": _hang, "crash": _crash, "error": _err, "exhaust": _exhaust},
+    **TRIALS,
     "shape": _read_shape,
     "labels": _read_labels,
     "result": _read_result,
