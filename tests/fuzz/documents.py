@@ -351,7 +351,7 @@ def _expressions() -> Iterator[Case]:
         yield words("large", f"a number of {n} digits", f"{'9' * n}*narrow(head)")
         yield words("large", f"a fraction of {n} digits", f"0.{'9' * n}*narrow(head)")
         yield words("large", f"a quote of {n} letters", f'narrow(head, a="{"x" * n}")', REFUSED)
-        yield words("large", f"{n} blanks", " " * n + "narrow(head)", SOUND)
+        yield words("large", f"{n} blanks", " " * n + "narrow(head)", SOUND if n < 9999 else EITHER)
         yield words("large", f"{n} stars", f"narrow({'*' * n})")
         yield words("large", f"{n} globs", f"similar({', '.join(['h*'] * n)})")
         yield words("large", f"a glob of {n} stars", f"narrow({'h*' * n}x)", REFUSED)

@@ -84,10 +84,12 @@ def read_npz(path: Path, wanted: Wanted) -> Listing:
         if len(rows) != 1 and len(others) == 1:
             rows = others
         if len(rows) != 1:
+            some = ", ".join([*arrays][:12]) or "none"
+            more = f" and {len(arrays) - 12} more" if len(arrays) > 12 else ""
             raise file_error(
                 path,
-                f"has no array 'labels' but {', '.join(arrays) or 'none'}; say which holds the"
-                f" labels: --label-property {(rows or [*arrays, 'NAME'])[0]}",
+                f"has no array 'labels' but {some}{more}; say which holds the labels:"
+                f" --label-property {(rows or [*arrays, 'NAME'])[0]}",
             )
         name = rows[0]
     found = _listing(path, arrays[name], wanted)

@@ -101,11 +101,10 @@ class GlbFile:
         if length < len(data):
             notes = (f"bytes behind the end of the file: {len(data) - length}; passed over",)
         chunks: list[tuple[bytes, bytes]] = []
-        at = 12
+        at, filled = 12, len(data[:length].rstrip(b"\0 \r\n"))
         while at < length:
-            rest = data[at:length]
-            if len(rest) < 8 or not rest.strip(b"\0 \r\n"):
-                notes = (*notes, f"bytes behind the last chunk: {len(rest)}; passed over")
+            if length - at < 8 or at >= filled:
+                notes = (*notes, f"bytes behind the last chunk: {length - at}; passed over")
                 break
             end = at + 8 + _uint32(data, at)
             if end > length:

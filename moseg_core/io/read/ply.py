@@ -95,6 +95,12 @@ def read_ply(path: Path) -> Shape:
     corners, offsets = found.values.astype(np.int64), found.offsets
     kept = whole_faces(offsets)
     if not kept.all():
+        if notes:
+            raise file_error(
+                path,
+                "has faces of fewer than three corners, and bytes behind its data: its counts are"
+                " wrong, or it is damaged; export it again",
+            )
         notes += small_faces_note(int((~kept).sum()), f"row {np.argmin(kept)} of the faces")
         corners = corners[np.repeat(kept, np.diff(offsets))]
         offsets = np.concatenate([[0], np.cumsum(np.diff(offsets)[kept])])

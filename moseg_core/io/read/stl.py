@@ -5,8 +5,8 @@ not by their first word: binary files that begin with "solid" are common. Text f
 several solids, which follow each other. Normals and the two attribute bytes are not used.
 
 Bytes behind the triangles that are no further triangles, a line's end or the padding of a block,
-are passed over with a note. Where they might be triangles the count is wrong, and the file is
-refused.
+are passed over with a note. Where they might be triangles, or are more than those, the count is
+wrong, and the file is refused.
 """
 
 from __future__ import annotations
@@ -152,7 +152,9 @@ def stl_contents(path: Path, data: bytes) -> StlContents:
 def _padded(data: bytes, length: int) -> bool:
     """Whether what stands behind the triangles of a binary file is something else."""
     over = data[length:]
-    return bool(over) and (not over.strip(b"\0\r\n \x1a") or len(over) % _TRIANGLE.itemsize != 0)
+    if not over.strip(b"\0\r\n \x1a"):
+        return bool(over)
+    return len(over) % _TRIANGLE.itemsize != 0 and len(over) <= length
 
 
 def _regular_positions(data: bytes) -> FloatArray | None:

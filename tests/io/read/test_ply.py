@@ -138,3 +138,9 @@ def test_faces_of_two_corners_are_no_elements(form, as_file, polygons_of):
         "faces of fewer than three corners: 1, the first in row 1 of the faces; they are"
         " passed over"
     )
+
+
+def test_small_faces_and_bytes_behind_the_data_mean_wrong_counts(refusal):
+    # Alone each is passed over; with a vertex too many both come of reading on at a wrong place.
+    contents = mesh_file("binary_little_endian", faces=[FACES[0], [0, 1], *FACES[1:]])
+    assert "its counts are wrong" in refusal(read_ply, "x.ply", contents + b"a")

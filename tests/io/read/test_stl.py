@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from moseg_core.errors import ShapeError
 from moseg_core.io.read.stl import read_stl
 
 TRIANGLES = np.array(
@@ -140,6 +141,12 @@ def test_bytes_behind_the_triangles_are_passed_over(over, as_file):
     shape = read_stl(as_file("over.stl", BINARY + over))
     np.testing.assert_array_equal(corners_of(shape), TRIANGLES)
     assert shape.notes[0] == f"bytes behind the last triangle: {len(over)}; passed over"
+
+
+def test_more_behind_the_triangles_than_these_take_is_no_padding(as_file):
+    # As a text in UTF-32, of which four letters stand where a binary file has its count.
+    with pytest.raises(ShapeError, match="does not match its header"):
+        read_stl(as_file("over.stl", BINARY + b"x" * 499))
 
 
 def test_bytes_behind_a_text_are_passed_over(as_file):
