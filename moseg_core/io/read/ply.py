@@ -94,13 +94,13 @@ def read_ply(path: Path) -> Shape:
         raise file_error(path, "has vertex indices that are not lists of integers; export it again")
     corners, offsets = found.values.astype(np.int64), found.offsets
     kept = whole_faces(offsets)
+    if not np.diff(offsets).all():
+        raise file_error(
+            path,
+            f"has a face of no corners, row {np.argmin(np.diff(offsets))} of the faces; its counts"
+            " are wrong, or it is damaged; export it again",
+        )
     if not kept.all():
-        if notes:
-            raise file_error(
-                path,
-                "has faces of fewer than three corners, and bytes behind its data: its counts are"
-                " wrong, or it is damaged; export it again",
-            )
         notes += small_faces_note(int((~kept).sum()), f"row {np.argmin(kept)} of the faces")
         corners = corners[np.repeat(kept, np.diff(offsets))]
         offsets = np.concatenate([[0], np.cumsum(np.diff(offsets)[kept])])
