@@ -58,7 +58,7 @@ ORDER = {
     ],
     "reference": [
         *("/language", "/objectives", "/components", "/cli", "/generated/index"),
-        *("/formats", "/metrics", "/benchmark", "/speed"),
+        *("/promises", "/formats", "/metrics", "/benchmark", "/speed"),
         *("Learned recipes </generated/recipes_shapes>", "/generated/changes"),
     ],
     "authors/index": [
