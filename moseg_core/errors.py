@@ -113,12 +113,14 @@ class ExpressionError(UsageError):
     def __str__(self) -> str:
         reason, _, suggestion = self.reason.partition("; ")
         start, stop = self.start, min(self.stop, self.start + _FAULT)
-        first, last = 0, max(stop, len(self.text))
-        if last > _LONG:
-            first, last = max(0, start - _BESIDE), min(last, stop + _BESIDE)
-        before = "..." * (first > 0) + _on_one_line(self.text[first:start])
+        before = _on_one_line(self.text[max(0, start - _LONG) : start])
         fault = _on_one_line(self.text[start:stop])
-        after = _on_one_line(self.text[stop:last]) + "..." * (last < len(self.text))
+        after = _on_one_line(self.text[stop : stop + _LONG])
+        # What is not printable takes up to ten characters to show.
+        if max(stop, len(self.text), len(before + fault + after)) > _LONG:
+            before = f"...{before[-_BESIDE:]}" if len(before) > _BESIDE else before
+            fault = fault[:_FAULT]
+            after = f"{after[:_BESIDE]}..." if len(after) > _BESIDE else after
         text = before + fault + after
         said = printable(reason, longest=_REASON)
         headline = f'{said} in "{text}"'
@@ -180,6 +182,7 @@ def unknown(kind: str, name: str, known: Iterable[str]) -> str:
     """
     names = sorted(set(known))
     guess = nearest(name, names)
+    name = name if len(name) <= _COMPARED else printable(name, longest=_COMPARED)
     if guess is not None:
         return f"unknown {kind} '{name}'; did you mean '{guess}'?"
     return f"unknown {kind} '{name}'; known: {', '.join(names) if names else 'none'}"

@@ -114,6 +114,19 @@ def test_unknown_names_are_answered_with_a_suggestion_or_all_there_are(known, me
     assert unknown("seeder", "kmean", known) == message
 
 
+def test_what_is_not_printable_makes_no_long_message():
+    text = "narrow(a) + " + 70 * "\udcff" + "flat(b)" + 70 * "\udcff"
+    said = str(ExpressionError("no such thing", text, 80, 150)).split("\n")
+    assert len(said) == 3
+    assert max(map(len, said)) < 300
+    caret = said[2].index("^")
+    assert said[1][caret : caret + 4] == "\\udc"
+
+
+def test_a_long_name_is_told_shortly():
+    assert len(unknown("seeder", "x" * 10_000, ["kmeans"])) < 300
+
+
 WORDS = st.from_regex(r"[a-z]{1,8}", fullmatch=True)
 
 

@@ -26,7 +26,7 @@ from moseg_core.components.parameters import (
     check_parameters,
     declared_parameters,
 )
-from moseg_core.errors import REPORT, PluginError, UsageError, unknown
+from moseg_core.errors import REPORT, PluginError, UsageError, shown, unknown
 from moseg_core.language import Table, parse_call
 from moseg_core.language.table import named_table
 from moseg_core.language.terms import format_call
@@ -95,7 +95,7 @@ class Choice:
             target, own = with_arguments(name)
             return cls(qualified_name(target), {**own, **more}, target)
         if not isinstance(given, Mapping) or not isinstance(name, str):
-            raise UsageError(f"{kind} must be a name or a table with a name, not {given!r}")
+            raise UsageError(f"{kind} must be a name or a table with a name, not {shown(given)}")
         return cls(name, more)
 
     def component(self, kind: Kind, registry: Registry) -> Component:

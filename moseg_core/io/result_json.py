@@ -355,10 +355,10 @@ def _read_statement(problem: Mapping[str, Any]) -> Statement:
             raise ValueError(f"parts of parts that are more than {DEEPEST} levels deep")
         # What a later version adds is passed over: the format's number says what can be read.
         table = {key: value for key, value in tables[path].items() if key in KEYS}
+        check_label_names(table["labels"])  # one without letters would be its own part
         below = {label: joined(path, label) for label in table["labels"]}
         parts = tuple((label, read(inner)) for label, inner in below.items() if inner in tables)
         stated = Statement.read(table)
-        check_label_names(stated.labels)
         return replace(stated, parts=parts)
 
     stated = read("")

@@ -72,7 +72,7 @@ from pathlib import Path
 from typing import Any
 
 from moseg_core.components.discovery.registry import Registry, registry
-from moseg_core.errors import REPORT, PluginError, UsageError, nearest, unknown
+from moseg_core.errors import REPORT, PluginError, UsageError, nearest, shown, unknown
 from moseg_core.problem.full_names import meant_by_bundle, statement_in_full
 from moseg_core.problem.hierarchy import Hierarchy, expand_parts
 from moseg_core.problem.problem import Problem
@@ -366,7 +366,7 @@ def _read(table: Mapping[str, Any], name: str, library: _Library) -> Recipe:
         statement = Statement.read({key: table[key] for key in KEYS if key in table})
         statement.label_sets()
         if not isinstance(nested, dict):
-            raise UsageError(f"'parts' must be tables such as [parts.head]; it is {nested!r}")
+            raise UsageError(f"'parts' must be tables such as [parts.head]; it is {shown(nested)}")
         expand_parts(nested.items(), statement.declared)
     except UsageError as error:
         raise UsageError(f"recipe '{name}': {error}") from error
@@ -408,7 +408,7 @@ def _read_part(table: object, name: str, library: _Library) -> Recipe:
 
 def _required(table: Mapping[str, Any], key: str, name: str) -> str:
     if not isinstance(table.get(key), str):
-        found = repr(table[key]) if key in table else "missing"
+        found = shown(table[key]) if key in table else "missing"
         raise UsageError(f"recipe '{name}': '{key}' must be a text; it is {found}")
     text: str = table[key]
     return text

@@ -28,7 +28,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from moseg_core.components.chosen import Choice
-from moseg_core.errors import UsageError, unknown
+from moseg_core.errors import UsageError, shown, unknown
 from moseg_core.language import Table
 from moseg_core.problem.label_sets import (
     LabelSet,
@@ -460,21 +460,21 @@ def read_texts(table: Mapping[str, Any], key: str) -> tuple[str, ...]:
         raise UsageError(f"'{key}' must be a list of texts; it is {_found(table, key)}")
     for item in given:
         if not isinstance(item, str):
-            raise UsageError(f"'{key}' must be a list of texts; {item!r} is none")
+            raise UsageError(f"'{key}' must be a list of texts; {shown(item)} is none")
     return tuple(given)
 
 
 def _lists(table: Mapping[str, Any], key: str) -> tuple[tuple[str, ...], ...]:
     given = table[key]
     if not isinstance(given, list | tuple):
-        raise UsageError(f"'{key}' must be a list of lists of texts; it is {given!r}")
+        raise UsageError(f"'{key}' must be a list of lists of texts; it is {shown(given)}")
     for item in given:
         if not isinstance(item, list | tuple) or not all(isinstance(name, str) for name in item):
-            raise UsageError(f"'{key}' must be a list of lists of texts; {item!r} is none")
+            raise UsageError(f"'{key}' must be a list of lists of texts; {shown(item)} is none")
         if not item:
             raise UsageError(f"'{key}': a problem needs at least one label; one of them has none")
     return tuple(map(tuple, given))
 
 
 def _found(table: Mapping[str, Any], key: str) -> str:
-    return repr(table[key]) if key in table else "missing"
+    return shown(table[key]) if key in table else "missing"

@@ -46,7 +46,7 @@ def _columns() -> Iterator[Case]:
         ("names of marks", "x,y,z,\u202egnp", lambda k: ",1", EITHER),
         ("a name of 100,000 characters", "x,y,z," + "w" * 100_000, lambda k: ",1", EITHER),
         ("20,000 columns", "x,y,z" + "".join(f",c{k}" for k in range(20_000)),
-         lambda k: ",1" * 20_000, SOUND),
+         lambda k: ",1" * 20_000, EITHER),
         ("20,000 columns called the same", "x,y,z" + ",c" * 20_000, lambda k: ",1" * 20_000,
           EITHER),
         ("a name that is a formula", "x,y,z,=cmd|' /C calc'!A0", lambda k: ",1", EITHER),

@@ -206,9 +206,7 @@ def _recipes() -> Iterator[Case]:
             REFUSED,
         )
         yield _recipe("names", f"a plane called {name}", f"{_SMALL}plane = {quoted}\n".encode())
-        yield _recipe(
-            "names", f"a seeder called {name}", f"{_SMALL}seeder = {quoted}\n".encode(), REFUSED
-        )
+        yield _recipe("names", f"a seeder called {name}", f"{_SMALL}seeder = {quoted}\n".encode())
         yield _recipe(
             "references",
             f"a part's recipe at {name}",

@@ -7,7 +7,7 @@
 
 begins with all small cases of the format. What falls short is written into ``finds`` in the working
 folder, one file for each message. atheris is no requirement of the tests: what it finds is mended
-and becomes a case (:mod:`tests.fuzz.found`).
+and becomes a case or a test of its module.
 """
 
 from __future__ import annotations

@@ -137,6 +137,8 @@ def test_a_step_of_the_search_that_is_none_is_refused(box, tmp_path, key, value)
         (lambda document: document.pop("labels"), r"is a damaged result \(no 'labels'\)"),
         (lambda document: document.update(terms=3), "is a damaged result"),
         (lambda document: document["cost"].update(value="low"), "is a damaged result"),
+        # A label without letters would be a part of itself.
+        (lambda document: document["problem"].update(labels=["", "b"]), "is a damaged result"),
     ],
 )  # fmt: skip
 def test_other_documents_are_refused(written, edit, says):

@@ -258,7 +258,7 @@ def _listing(path: Path, cells: Cells, lines: Sequence[int], wanted: Wanted) -> 
         wrong = numeric.index(False)
         raise file_error(
             path,
-            f"{word(cells[wrong].encode())} is not an integer, which the labels before or behind it"
+            f"{word(cells[wrong])} is not an integer, which the labels before or behind it"
             " are; the file is damaged or of another format",
             line=lines[wrong],
         )
@@ -270,7 +270,7 @@ def _listing(path: Path, cells: Cells, lines: Sequence[int], wanted: Wanted) -> 
     except OverflowError as error:
         large = next(k for k, cell in enumerate(cells) if abs(int(cell)) >= 2**63)
         raise file_error(
-            path, f"{word(cells[large].encode())} is too large for a label", line=lines[large]
+            path, f"{word(cells[large])} is too large for a label", line=lines[large]
         ) from error
     return Listing(labels=whole_labels(path, numbers, line_of=lambda k: lines[k]))
 

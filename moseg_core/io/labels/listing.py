@@ -293,7 +293,7 @@ def labels_of_ids(
         wrong = int(np.argmax(outside))
         raise file_error(
             path,
-            f"gives the label {word(groups[owner[wrong]][1].encode())} to {noun} {ids[wrong]}, but"
+            f"gives the label {word(groups[owner[wrong]][1])} to {noun} {ids[wrong]}, but"
             f" there are {n}, counted from {first}; give the labels of this very shape",
         )
     order = np.argsort(ids, kind="stable")
@@ -302,8 +302,8 @@ def labels_of_ids(
         one, other = (groups[owner[order[twice[0] + k]]][1] for k in (0, 1))
         raise file_error(
             path,
-            f"gives {noun} {ids[order[twice[0]]]} the label {word(one.encode())} and the label"
-            f" {word(other.encode())}; a {noun} has one label",
+            f"gives {noun} {ids[order[twice[0]]]} the label {word(one)} and the label"
+            f" {word(other)}; a {noun} has one label",
         )
     labels = np.full(n, UNLABELLED, np.int64)
     labels[ids - first] = np.array([number for number, _, _ in groups], np.int64)[owner]

@@ -103,7 +103,7 @@ def _name(path: Path, name: str, line: int) -> str:
     if FACE_ID.match(name):
         raise file_error(
             path,
-            f"expected the name of a label, found {word(name.encode())};"
+            f"expected the name of a label, found {word(name)};"
             " all faces of a label stand on the one line behind its name",
             line=line,
         )

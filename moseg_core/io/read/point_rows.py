@@ -28,6 +28,7 @@ _SEPARATORS = (b";", b",", b"\t")
 _COMMA_NUMBERS = re.compile(rb"\s*[-+]?\d+,\d+(\s+[-+]?\d+,\d+){2,}\s*")
 _NUMBER = re.compile(rb"[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+|#\w+)?$|-?nan|-?inf")
 _UNIT = re.compile(r"\s*[\[(].*[\])]$")
+_MOST_DIGITS = 18
 _WIDE = (b"\xff\xfe", b"\xfe\xff")
 
 
@@ -200,7 +201,8 @@ def _counted(path: Path, rows: list[Row], lines: list[int]) -> tuple[list[Row], 
                 "there are more points than announced; correct the count in front of them",
                 line=lines[at],
             )
-        end = at + 1 + int(rows[at][0])
+        # A count of more digits is beyond any file, and beyond what Python reads.
+        end = at + 1 + (int(rows[at][0]) if len(rows[at][0]) <= _MOST_DIGITS else len(rows))
         if end > len(rows):
             raise file_error(
                 path,

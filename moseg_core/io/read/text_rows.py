@@ -80,7 +80,7 @@ def _continued_rows(text: list[bytes]) -> tuple[list[Row], list[int]]:
     return rows, lines
 
 
-def word(token: bytes) -> str:
+def word(token: bytes | str) -> str:
     """A word from a file as it is shown in a message: quoted, and not too long.
 
     Examples
@@ -90,7 +90,7 @@ def word(token: bytes) -> str:
     >>> len(word(b"x" * 1000))
     42
     """
-    text = token.decode("utf-8", "replace")
+    text = token if isinstance(token, str) else token.decode("utf-8", "replace")
     return repr(text if len(text) <= 40 else text[:37] + "...")
 
 

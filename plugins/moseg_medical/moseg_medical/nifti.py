@@ -22,7 +22,7 @@ from typing import Any
 
 import numpy as np
 
-from moseg_core import Labelling, Result, Shape, ShapeError
+from moseg_core import Labelling, ReadLimits, Result, Shape, ShapeError
 from moseg_medical.label_names import described, label_descriptions
 from moseg_medical.masks import (
     FloatArray,
@@ -40,14 +40,18 @@ _HEADER = "nifti"
 _ZIPPED = b"\x1f\x8b"
 _SECOND = 540
 """Bytes of a header of NIfTI-2."""
+_LONGEST_HEADER = 1 << 24
+"""Bytes in front of the values, extensions included, beyond which a file is damaged."""
 
 
-def read_nifti(path: Path) -> Shape:
+def read_nifti(path: Path, *, limits: ReadLimits | None = None) -> Shape:
     """Read a mask or label map as a solid voxel grid.
 
     Parameters
     ----------
     path : Path
+    limits : ReadLimits, optional
+        How large a grid may be.
 
     Returns
     -------
@@ -60,7 +64,11 @@ def read_nifti(path: Path) -> Shape:
     ShapeError
         The file is no such file, is cut off, holds an image and no mask, or is empty.
     """
-    values, affine, header = _volume(path)
+    limits = limits or ReadLimits()
+    values, affine, header = _volume(path, limits)
+    limits.refuse_cells(
+        path, occupied=int(np.count_nonzero(values)), grid=values.size, size=path.stat().st_size
+    )
     name = stem_of(path.name, SUFFIXES)
     shape = shape_of_mask(path, values, affine, name=name, header={_HEADER: header})
     return shape.with_up("z")
@@ -80,32 +88,54 @@ def nifti_labels(path: Path, shape: Shape) -> Labelling:
     ShapeError
         The file is no such file, or labels another grid.
     """
-    values, affine, _ = _volume(path)
+    values, affine, _ = _volume(path, ReadLimits())
     beside = path.with_name(f"{stem_of(path.name, SUFFIXES)}{_NAMES}")
     text = beside.read_text(encoding="utf-8", errors="replace") if beside.is_file() else ""
     return labels_on(path, shape, values, affine, described(text))
 
 
-def _volume(path: Path) -> tuple[Any, FloatArray, bytes]:
+def _volume(path: Path, limits: ReadLimits) -> tuple[Any, FloatArray, bytes]:
     """The values, the affine and the header."""
     data = path.read_bytes()
     if data.startswith(_ZIPPED):
-        try:
-            data = gzip.decompress(data)
-        except (OSError, EOFError, zlib.error) as error:
-            raise ShapeError(f"{path.name} cannot be unzipped ({error}); copy it anew") from error
+        data = _unzipped(path, data, limits)
     image = _image(path, data)
-    header = image.header
-    shape, item = header.get_data_shape(), header.get_data_dtype().itemsize
-    needed = int(header["vox_offset"]) + math.prod(map(int, shape)) * item
-    if not shape or min(shape) < 1 or needed > len(data):
+    header, needed = image.header, _checked_size(path, image, len(data), limits)
+    if needed > len(data):
+        size = " x ".join(map(str, header.get_data_shape()))
         raise ShapeError(
-            f"{path.name} announces a volume of {' x '.join(map(str, shape))} and has"
-            f" {len(data)} bytes instead of {needed}; it is cut off or damaged"
+            f"{path.name} announces a volume of {size} and has {len(data)} bytes instead of"
+            f" {needed}; it is cut off or damaged"
         )
     with quietly():
         values = np.asanyarray(image.dataobj)
     return values, image.affine, header.binaryblock
+
+
+def _checked_size(path: Path, image: Any, size: int, limits: ReadLimits) -> int:
+    """How many bytes the whole file takes, header and values, as the header says."""
+    shape, item = image.header.get_data_shape(), image.header.get_data_dtype().itemsize
+    offset, cells = image.dataobj.offset, math.prod(map(int, shape))
+    if not shape or min(shape) < 1 or not 0 <= offset < _LONGEST_HEADER:
+        raise ShapeError(
+            f"{path.name} announces a volume of {' x '.join(map(str, shape))} behind {offset:g}"
+            " bytes of header; it is damaged"
+        )
+    limits.refuse_cells(path, occupied=0, grid=cells, size=size)
+    return int(offset) + cells * item
+
+
+def _unzipped(path: Path, data: bytes, limits: ReadLimits) -> bytes:
+    """The bytes within, as many as the header asks for: a zipped file may hold any number."""
+    try:
+        with gzip.GzipFile(fileobj=io.BytesIO(data)) as zipped:
+            head = zipped.read(_SECOND)
+            needed = _checked_size(path, _image(path, head), len(data), limits)
+            whole = head + zipped.read(max(0, needed - len(head)))
+            zipped.read(1)  # the sum behind the end is checked
+            return whole
+    except (OSError, EOFError, zlib.error) as error:
+        raise ShapeError(f"{path.name} cannot be unzipped ({error}); copy it anew") from error
 
 
 def _image(path: Path, data: bytes) -> Any:

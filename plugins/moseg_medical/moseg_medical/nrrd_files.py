@@ -9,6 +9,7 @@ segments that the input had are left out.
 
 from __future__ import annotations
 
+import bz2
 import io
 import math
 import re
@@ -19,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from moseg_core import Labelling, Result, Shape, ShapeError
+from moseg_core import Labelling, ReadLimits, Result, Shape, ShapeError
 from moseg_medical.label_names import segment_keys, segments_in
 from moseg_medical.masks import (
     FloatArray,
@@ -33,6 +34,9 @@ from moseg_medical.masks import (
 
 SUFFIXES = (".nrrd",)
 _HEADER = "nrrd"
+_GZIP = ("gzip", "gz")
+_PACKED = (*_GZIP, "bzip2", "bz2")
+_OF_GZIP = zlib.MAX_WBITS | 16
 _LPS = "left-posterior-superior"
 _RAS = (1.0, 1.0, 1.0)
 #: Signs that turn a space into RAS; in all of them the third axis goes up the patient.
@@ -52,12 +56,14 @@ _OF_VALUES = {
 }
 
 
-def read_nrrd(path: Path) -> Shape:
+def read_nrrd(path: Path, *, limits: ReadLimits | None = None) -> Shape:
     """Read a mask or label map as a solid voxel grid.
 
     Parameters
     ----------
     path : Path
+    limits : ReadLimits, optional
+        How large a grid may be.
 
     Returns
     -------
@@ -71,7 +77,11 @@ def read_nrrd(path: Path) -> Shape:
         The file is no such file, is cut off, holds an image and no mask, or is empty; its values
         are in another file.
     """
-    values, affine, header = _volume(path)
+    limits = limits or ReadLimits()
+    values, affine, header = _volume(path, limits)
+    limits.refuse_cells(
+        path, occupied=int(np.count_nonzero(values)), grid=values.size, size=path.stat().st_size
+    )
     name = stem_of(path.name, SUFFIXES)
     shape = shape_of_mask(path, values, affine, name=name, header={_HEADER: header})
     return shape.with_up("z") if _space(header) in _SIGNS else shape
@@ -91,11 +101,11 @@ def nrrd_labels(path: Path, shape: Shape) -> Labelling:
     ShapeError
         The file is no such file, or labels another grid.
     """
-    values, affine, header = _volume(path)
+    values, affine, header = _volume(path, ReadLimits())
     return labels_on(path, shape, values, affine, segments_in(header))
 
 
-def _volume(path: Path) -> tuple[Any, FloatArray, dict[str, Any]]:
+def _volume(path: Path, limits: ReadLimits) -> tuple[Any, FloatArray, dict[str, Any]]:
     """The values, the affine and the header."""
     import nrrd
 
@@ -103,8 +113,9 @@ def _volume(path: Path) -> tuple[Any, FloatArray, dict[str, Any]]:
     try:
         with quietly():
             header = dict(nrrd.read_header(stream))
-            _check(path, header)
-            values = nrrd.read_data(header, stream, index_order="F")
+            _check(path, header, limits)
+            known, stream = _unpacked(nrrd, path, header, stream)
+            values = nrrd.read_data(known, stream, index_order="F")
         affine = _affine(path, header)
     except (
         nrrd.NRRDError,
@@ -131,16 +142,40 @@ def _volume(path: Path) -> tuple[Any, FloatArray, dict[str, Any]]:
     return values, affine, header
 
 
-def _check(path: Path, header: dict[str, Any]) -> None:
-    """Refuse values elsewhere: a file that names others could name any."""
+def _check(path: Path, header: dict[str, Any], limits: ReadLimits) -> None:
+    """Refuse values elsewhere, since a file that names others could name any; and too many."""
     for key in ("data file", "datafile"):
         if key in header:
             raise ShapeError(
                 f"{path.name} keeps its values in another file, '{header[key]!s:.80}'; save header"
                 f" and values as one .nrrd file"
             )
-    if math.prod(int(size) for size in header["sizes"]) > 2**32:
-        raise ShapeError(f"{path.name} announces {header['sizes']} cells; it is damaged")
+    cells = math.prod(int(size) for size in header["sizes"])
+    size = path.stat().st_size
+    limits.refuse_cells(path, occupied=0, grid=cells, size=size)
+    if any(int(header.get(key, 0)) > size for key in ("line skip", "lineskip")):
+        raise ShapeError(f"{path.name} skips more lines than it has bytes; it is damaged")
+
+
+def _unpacked(
+    nrrd: Any, path: Path, header: dict[str, Any], stream: io.BytesIO
+) -> tuple[dict[str, Any], io.BytesIO]:
+    """Header and values of packed values that are unpacked, as many as the header announces.
+
+    pynrrd unpacks all that there is, which may be any number.
+    """
+    encoding = header.get("encoding")
+    if encoding not in _PACKED:
+        return header, stream
+    if any(int(header.get(key, 0)) for key in ("line skip", "lineskip", "byte skip", "byteskip")):
+        raise ShapeError(f"{path.name} skips a part of its packed values; save it anew")
+    needed = math.prod(map(int, header["sizes"])) * nrrd.reader._determine_datatype(header).itemsize
+    unpacker = zlib.decompressobj(_OF_GZIP) if encoding in _GZIP else bz2.BZ2Decompressor()
+    values = unpacker.decompress(stream.read(), max(0, needed) + 1)
+    if len(values) != needed:
+        more = "more" if len(values) > needed else "less"
+        raise ShapeError(f"{path.name} holds {more} than it announces; it is damaged")
+    return {**header, "encoding": "raw"}, io.BytesIO(values)
 
 
 def _affine(path: Path, header: dict[str, Any]) -> FloatArray:

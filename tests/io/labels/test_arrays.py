@@ -107,6 +107,11 @@ def test_names_in_an_archive(name, as_file):
         (read_npy, npy(np.zeros((2, 2, 2, 2))), " holds float64 of shape (2, 2, 2, 2) instead of"),
         (read_npy, npy(np.array([0.5])), " gives face 0 the label 0.5; labels are whole numbers"),
         (read_npz, npz(a=[0, 0, 0], b=[1, 1, 1]), " has no array 'labels' but a, b; say which"),
+        (
+            read_npz,
+            npz(**{f"a{k}": [k] for k in range(14)}),
+            " has no array 'labels' but a0, a1, a2, a3, a4, a5, a6, a7, a8, a9, a10, a11 and 2",
+        ),
         (read_npz, npz(labels=[0], names=[1]), " has an array 'names' that is not a row of texts"),
         (read_npz, b"PK", " is no whole .npz file ("),
     ],

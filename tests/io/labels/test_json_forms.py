@@ -126,6 +126,7 @@ def test_a_member_may_be_asked_for(read):
         ({"segGroups": []}, " groups segments and has none itself; give the file that ends in"),
         ({"segGroups": [], "segmentsFile": "s.json"}, " groups segments and has none itself; gi"),
         ({"segIndices": [0], "segGroups": [{}]}, " has segGroups without lists of 'segments'"),
+        ({"\ud83d": [1], "a": [1]}, " gives face 1 the label '\\ud83d' and the label 'a'"),
         ({"labels": [0, 1, 0], "names": "ab"}, " has a member names that is not a list of names"),
     ],
 )

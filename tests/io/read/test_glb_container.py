@@ -36,6 +36,13 @@ def test_containers_that_are_wrong_are_refused_with_the_reason(contents, message
     assert message in refusal(read_glb, "bad.glb", contents)
 
 
+def test_empty_chunks_behind_the_others_are_looked_at_once(as_file):
+    # A million of them: no copy of the rest is made for each.
+    whole = one_node() + 1_000_000 * (bytes(4) + b"WHAT")
+    whole = whole[:8] + len(whole).to_bytes(4, "little") + whole[12:]
+    assert read_glb(as_file("x.glb", whole)).n_elements > 0
+
+
 def test_a_file_that_is_cut_off_is_never_read(accepted_cuts):
     contents = one_node()
     assert accepted_cuts(read_glb, "cut.glb", contents, range(0, len(contents), 2)) == {}

@@ -87,6 +87,10 @@ def test_decimal_commas_are_said(text):
         ("# nothing\n", "a.pts holds nothing but comments"),
         ("x y z\n", "a.pts has no rows below its header"),
         ("3\n1 2 3\n4 5 6\n", "a.pts, line 1: '3' points are announced, 2 follow; the file is cut"),
+        (
+            "9" * 5000 + "\n1 2 3\n4 5 6\n",
+            f"a.pts, line 1: '{'9' * 37}...' points are anno",
+        ),
         ("1\n1 2 3\n4 5 6\n", "a.pts, line 3: there are more points than announced"),
         ("0\n1 2 3\n", "a.pts, line 2: there are more points than announced"),
         ("1 2 3\n4 5\n", "a.pts, line 2: the row has 2 cells, the first 3"),
