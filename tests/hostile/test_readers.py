@@ -129,6 +129,7 @@ def found(tmp_path_factory) -> dict[str, list]:
     """What reading each file gave: the kind of error and its text, or "", a size and notes."""
     folder = tmp_path_factory.mktemp("hostile")
     paths = [path for path in sorted(DATA.iterdir()) if path.suffix[1:] in _SUFFIXES]
+    paths.remove(DATA / "4_faces.off")  # sound: what the labels of test_trust.py are of
     for name, make in MADE.items():
         (folder / name).write_bytes(make())
         paths.append(folder / name)

@@ -84,13 +84,13 @@ def read_npz(path: Path, wanted: Wanted) -> Listing:
         if len(rows) != 1 and len(others) == 1:
             rows = others
         if len(rows) != 1:
-            names = [printable(name, longest=60) for name in arrays]
-            some = ", ".join(names[:12]) or "none"
+            called = [printable(name, longest=60) for name in arrays]
+            some = ", ".join(called[:12]) or "none"
             more = f" and {len(arrays) - 12} more" if len(arrays) > 12 else ""
             raise file_error(
                 path,
                 f"has no array 'labels' but {some}{more}; say which holds the labels:"
-                f" --label-property {printable((rows or [*names, 'NAME'])[0], longest=60)}",
+                f" --label-property {printable((rows or [*called, 'NAME'])[0], longest=60)}",
             )
         name = rows[0]
     found = _listing(path, arrays[name], wanted)

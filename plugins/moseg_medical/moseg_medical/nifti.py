@@ -122,7 +122,7 @@ def _checked_size(path: Path, image: Any, size: int, limits: ReadLimits) -> int:
             " bytes of header; it is damaged"
         )
     limits.refuse_cells(path, occupied=0, grid=cells, size=size)
-    return int(offset) + cells * item
+    return int(offset) + cells * int(item)
 
 
 def _unzipped(path: Path, data: bytes, limits: ReadLimits) -> bytes:
