@@ -43,7 +43,8 @@ class Case:
     make : callable
         Makes the bytes of the file; or a mapping of relative names to bytes, "" for the file.
     task : str
-        What reads it: "shape", "labels", "result", "recipe", "expression".
+        What reads it: "shape", "labels", "result", "recipe", "expression",
+        "checkpoint".
     expected : str
         One of the three above.
     elements : (int, int)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import cache
 
 from tests.fuzz.case import Case, checked
+from tests.fuzz.checkpoints import checkpoint_cases
 from tests.fuzz.clouds import cloud_cases
 from tests.fuzz.counts import count_cases
 from tests.fuzz.damage import damaged
@@ -16,7 +17,7 @@ from tests.fuzz.scenes import scene_cases
 
 SOURCES = (
     *(damaged, polygon_cases, count_cases, scene_cases, grid_cases, cloud_cases, label_cases),
-    document_cases,
+    *(document_cases, checkpoint_cases),
 )
 
 

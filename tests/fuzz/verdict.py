@@ -225,6 +225,19 @@ def _read_expression(path: Path) -> _Found:
     return _Found(count=len(problem.terms), summary="terms", faults=faults)
 
 
+def _read_checkpoint(path: Path) -> _Found:
+    from moseg_core.io.checkpoint import Checkpoint
+    from tests.fuzz.checkpoints import RUN
+
+    found = Checkpoint(path.with_name("new.checkpoint"), path)
+    try:
+        known = found.begin(RUN)
+    finally:
+        found.close()
+    faults = () if all(len(key) == 16 and not len(v) % 8 for key, v in known.items()) else ("cut",)
+    return _Found(count=len(known), summary=f"{len(known)} answers", faults=faults)
+
+
 def _hang(path: Path) -> _Found:
     while True:
         pass
@@ -252,4 +265,5 @@ _TASKS = {
     "result": _read_result,
     "recipe": _read_recipe,
     "expression": _read_expression,
+    "checkpoint": _read_checkpoint,
 }
