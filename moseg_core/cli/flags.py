@@ -102,8 +102,8 @@ class ShapeFlags:
     up
         Which axis of the file points up; y in glTF files, else not known.
     limit
-        How much a file may become: triangles_per_byte, cells_per_byte, cells, grid_cells or
-        columns, as in "cells=2e7" or "cells=none"; "none" lifts all limits. Repeatable.
+        How much a file may become: triangles_per_byte, cells_per_byte, cells, grid_cells, columns
+        or unpacked_bytes, as in "cells=2e7" or "cells=none"; "none" lifts all. Repeatable.
     """
 
     adjacency: Literal["auto", "knn", "none"] = "auto"

@@ -21,7 +21,8 @@ of the bounding box is the origin and its diagonal is 1; :class:`Frame` goes bet
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from copy import copy
+from dataclasses import dataclass, fields, replace
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -403,7 +404,13 @@ class Shape(ShapeData):
         (None, '-z')
         """
         axis = None if up is None else checked_up(up)
-        return self if axis == self.up else replace(self, up=axis)
+        if axis == self.up:
+            return self
+        turned = copy(self)  # what a grid has not made yet is not made for this
+        for known in set(vars(self)) - {each.name for each in fields(self)}:
+            del vars(turned)[known]  # what was found out of the shape may depend on it
+        object.__setattr__(turned, "up", axis)
+        return turned
 
     def with_weld(self, weld: float) -> Shape:
         """The same mesh, its vertices joined within another distance.

@@ -41,6 +41,8 @@ class ReadLimits:
         Cells of a voxel grid, empty ones as well.
     columns : float
         Numbers in a row of a point cloud.
+    unpacked_bytes : float
+        Bytes that a packed file of values, such as a mask in ``.nii.gz``, may unpack to.
 
     Examples
     --------
@@ -53,6 +55,7 @@ class ReadLimits:
     cells: float = 10_000_000.0
     grid_cells: float = 2.0**28
     columns: float = 1000.0
+    unpacked_bytes: float = 2.0**29
 
     @classmethod
     def read(cls, texts: Iterable[str]) -> ReadLimits:
@@ -157,6 +160,29 @@ class ReadLimits:
             raise ShapeError(
                 f"{path.name} holds rows of {count:,} cells, too many for points;"
                 f" {_raise('columns', self.columns)}"
+            )
+
+    def refuse_unpacked(self, path: Path, count: int, *, size: int) -> None:
+        """Refuse a packed file that stands for too many bytes, before it is unpacked.
+
+        Parameters
+        ----------
+        path : Path
+            For the message.
+        count : int
+            Bytes that there would be.
+        size : int
+            Bytes of the file.
+
+        Raises
+        ------
+        ShapeError
+            Names the limit and the option that raises it.
+        """
+        if count > self.unpacked_bytes:
+            raise ShapeError(
+                f"{path.name} is to unpack from {size:,} bytes to {count:,};"
+                f" {_raise('unpacked_bytes', self.unpacked_bytes)}"
             )
 
 

@@ -23,15 +23,26 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from moseg_core import Labelling, Result, Shape, ShapeError, UsageError, VoxelGrid
+from moseg_core import Labelling, ReadLimits, Result, Shape, ShapeError, UsageError, VoxelGrid
 
 FloatArray = npt.NDArray[np.float64]
 
 _MANY = 256
 """Different numbers from which on they are no labels."""
 
+_LARGEST = 2**53
+"""Number from which on floats leave whole numbers out."""
+
 _APART = 0.1
 """How far cells of a label map may be from those of a shape, in sides; affines are rounded."""
+
+_FARTHEST = 1e50
+"""Millimetres that an affine may have; in files that are not damaged a few thousand."""
+
+_SLAB = 2**22
+"""Cells that are looked at in one go, so that numbers of all of them are never made at once."""
+
+_LIMITS = ReadLimits()
 
 
 def stem_of(name: str, suffixes: tuple[str, ...]) -> str:
@@ -48,11 +59,12 @@ def stem_of(name: str, suffixes: tuple[str, ...]) -> str:
 
 def shape_of_mask(
     path: Path,
-    values: npt.NDArray[Any],
+    values: Any,
     affine: FloatArray,
     *,
     name: str,
     header: Mapping[str, Any],
+    limits: ReadLimits = _LIMITS,
 ) -> Shape:
     """The cells of a volume that are not 0, as a solid shape.
 
@@ -61,30 +73,43 @@ def shape_of_mask(
     path : Path
         For messages.
     values : (nx, ny, nz) array of numbers
+        Or what is indexed like one, and reads them from a file then.
     affine : (4, 4) float
         From the index of a cell to its middle, in millimetres, RAS.
     name : str
         What to call the shape.
     header : mapping of str to any
         What the file says beside that, for a writer.
+    limits : ReadLimits, optional
 
     Raises
     ------
     ShapeError
-        The volume is no mask, or is empty; the affine spans no space.
+        The volume is no mask, is empty, or has more cells than the limits allow; the affine spans
+        no space.
     """
-    occupied, labels = _checked(path, _in_three(path, values))
+    _refuse_place(path, affine)
+    size = _size(path, values)
+    occupied, found, count = np.zeros(size, np.bool_), np.empty(0), 0
+    for where, numbers in _slabs(path, values, size):
+        here = numbers != 0
+        occupied[where] = here
+        count += int(np.count_nonzero(here))
+        # A mask is packed by what packs anything, so cells count against what is unpacked.
+        limits.refuse_cells(path, occupied=count, grid=occupied.size, size=occupied.size)
+        found = _united(path, found, numbers[here])
+    labels = found.tolist()
     notes = []
     if len(labels) > 1:
-        some = ", ".join(f"{label:g}" for label in labels[:8].tolist())
+        some = ", ".join(f"{label:g}" for label in labels[:8])
         more = ", ..." if len(labels) > 8 else ""
         notes.append(f"{len(labels)} labels ({some}{more}): all of them together are the shape")
     steps = affine[:3, :3].T
     try:
         return Shape.from_voxels(
-            np.ascontiguousarray(occupied),
-            pitch=steps,
-            origin=affine[:3, 3] - steps.sum(axis=0) / 2.0,
+            occupied,
+            pitch=steps.tolist(),
+            origin=(affine[:3, 3] - steps.sum(axis=0) / 2.0).tolist(),
             name=name,
             notes=notes,
             header=header,
@@ -96,7 +121,7 @@ def shape_of_mask(
 def labels_on(
     path: Path,
     shape: Shape,
-    values: npt.NDArray[Any],
+    values: Any,
     affine: FloatArray,
     called: Mapping[int, str],
 ) -> Labelling:
@@ -124,20 +149,31 @@ def labels_on(
     ShapeError
         It is no label map, or one of another grid.
     """
-    values = _in_three(path, values)
-    _, found = _checked(path, values)
+    _refuse_place(path, affine)
+    size = _size(path, values)
     grid = shape.geometry
-    if not isinstance(grid, VoxelGrid) or grid.occupied.shape != values.shape:
-        size = " x ".join(map(str, values.shape))
-        raise ShapeError(f"{path.name} labels a grid of {size} cells, which '{shape.name}' is not")
-    ends = np.array([[*corner, 1.0] for corner in np.ndindex(2, 2, 2)]) * [*values.shape, 1]
+    if not isinstance(grid, VoxelGrid) or grid.occupied.shape != size:
+        told = " x ".join(map(str, size))
+        raise ShapeError(f"{path.name} labels a grid of {told} cells, which '{shape.name}' is not")
+    ends = np.array([[*corner, 1.0] for corner in np.ndindex(2, 2, 2)]) * [*size, 1]
     apart = np.abs(ends @ (affine - affine_of(grid)).T).max()
     if not apart < _APART * grid.pitch.min():
         raise ShapeError(
             f"{path.name} labels another place than '{shape.name}': its cells are up to"
             f" {apart:.3g} mm away"
         )
-    numbers = values[tuple(grid.cells.T)].astype(np.int64)
+    numbers, found = np.zeros(grid.n_elements, np.int64), np.empty(0)
+    for where, slab in _slabs(path, values, size):
+        found = _united(path, found, slab[slab != 0])
+        # Elements of some layers follow each other as those of all do, in C order.
+        within = np.logical_and.reduce(
+            [
+                (along >= (part.start or 0)) & (along < (part.stop or count))
+                for along, part, count in zip(grid.cells.T, where, size, strict=True)
+                if part != slice(None)
+            ]
+        )
+        numbers[within] = slab[grid.is_element[where]]
     if not called:
         return Labelling(labels=np.where(numbers > 0, numbers, -1), names=None)
     used = [number for number in found.astype(np.int64).tolist() if number > 0]
@@ -146,37 +182,59 @@ def labels_on(
     return Labelling(labels=labels, names=names)
 
 
-def _in_three(path: Path, values: npt.NDArray[Any]) -> npt.NDArray[Any]:
-    """A volume of three axes; those of one cell at the end, as for time, are left out."""
-    while values.ndim > 3 and values.shape[-1] == 1:
-        values = values[..., 0]
-    if values.ndim != 3:
+def _refuse_place(path: Path, affine: FloatArray) -> None:
+    """Refuse an affine of numbers that cannot be computed with."""
+    if not np.isfinite(affine).all() or np.abs(affine).max() > _FARTHEST:
         raise ShapeError(
-            f"{path.name} has a volume of {values.ndim} axes, {' x '.join(map(str, values.shape))};"
+            f"{path.name} places its cells beyond what can be measured, by numbers up to"
+            f" {np.abs(affine).max():.3g}; repair its affine"
+        )
+
+
+def _size(path: Path, values: Any) -> tuple[int, int, int]:
+    """The sizes of a volume of three axes; those of one cell at the end, as for time, left out."""
+    size = tuple(int(count) for count in values.shape)
+    while len(size) > 3 and size[-1] == 1:
+        size = size[:-1]
+    if len(size) != 3:
+        raise ShapeError(
+            f"{path.name} has a volume of {len(size)} axes, {' x '.join(map(str, size))};"
             f" moseg reads one mask of three: save a single volume, or export the segments as one"
             f" label map"
         )
-    return values
-
-
-def _checked(path: Path, values: npt.NDArray[Any]) -> tuple[npt.NDArray[np.bool_], Any]:
-    """Which cells are not 0, and the numbers that there are; an error for what is no mask."""
     if values.dtype.kind not in "biuf":
         raise ShapeError(
             f"{path.name} holds {values.dtype}, not numbers; save the mask as integers"
         )
-    if values.dtype.kind == "f":
-        with np.errstate(invalid="ignore"):
-            whole = np.nan_to_num(values, nan=0.5) == np.rint(np.nan_to_num(values, nan=0.5))
-        if not whole.all():
+    return size
+
+
+def _slabs(
+    path: Path, values: Any, size: tuple[int, int, int]
+) -> Iterator[tuple[tuple[slice, ...], npt.NDArray[Any]]]:
+    """The numbers of a volume, some layers at a time, and where they are; none but of a mask."""
+    axis = 2 if size[0] * size[1] <= _SLAB else int(np.argmax(size))
+    layer = size[0] * size[1] * size[2] // size[axis]
+    thick = max(1, _SLAB // layer)
+    for begin in range(0, size[axis], thick):
+        where = tuple(slice(begin, begin + thick) if a == axis else slice(None) for a in range(3))
+        numbers = np.asanyarray(values[where])
+        numbers = numbers.reshape(numbers.shape[:3])
+        if numbers.dtype.kind == "f" and not (np.rint(numbers) == numbers).all():  # nor NaN
             raise _no_mask(path, "numbers that are not whole")
-    if values.size and values.min() < 0:
-        raise _no_mask(path, "negative numbers")
-    occupied = values != 0
-    labels = np.unique(values[occupied])
+        if numbers.min() < 0:
+            raise _no_mask(path, "negative numbers")
+        if numbers.max() >= _LARGEST:
+            raise _no_mask(path, f"numbers up to {numbers.max():.3g}")
+        yield where, numbers
+
+
+def _united(path: Path, found: npt.NDArray[Any], numbers: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """The different numbers that there are, ascending; too many are no labels."""
+    labels = np.union1d(found, numbers)
     if len(labels) > _MANY:
         raise _no_mask(path, f"{len(labels)} different numbers")
-    return occupied, labels
+    return labels
 
 
 def _no_mask(path: Path, what: str) -> ShapeError:

@@ -17,6 +17,8 @@ import logging
 import math
 import struct
 import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -33,25 +35,24 @@ from moseg_medical.masks import (
     shape_of_mask,
     stem_of,
 )
+from moseg_medical.unpacking import opened, unpacked
 
 SUFFIXES = (".nii", ".nii.gz")
 _NAMES = "_labels.txt"
 _HEADER = "nifti"
 _ZIPPED = b"\x1f\x8b"
-_SECOND = 540
-"""Bytes of a header of NIfTI-2."""
-_LONGEST_HEADER = 1 << 24
-"""Bytes in front of the values, extensions included, beyond which a file is damaged."""
+_FIRST, _SECOND = 348, 540
+"""Bytes of a header of NIfTI-1 and of NIfTI-2."""
+_LIMITS = ReadLimits()
 
 
-def read_nifti(path: Path, *, limits: ReadLimits | None = None) -> Shape:
+def read_nifti(path: Path, *, limits: ReadLimits = _LIMITS) -> Shape:
     """Read a mask or label map as a solid voxel grid.
 
     Parameters
     ----------
     path : Path
     limits : ReadLimits, optional
-        How large a grid may be.
 
     Returns
     -------
@@ -62,19 +63,16 @@ def read_nifti(path: Path, *, limits: ReadLimits | None = None) -> Shape:
     Raises
     ------
     ShapeError
-        The file is no such file, is cut off, holds an image and no mask, or is empty.
+        The file is no such file, is cut off, holds an image and no mask, is empty, or becomes more
+        than the limits allow.
     """
-    limits = limits or ReadLimits()
     values, affine, header = _volume(path, limits)
-    limits.refuse_cells(
-        path, occupied=int(np.count_nonzero(values)), grid=values.size, size=path.stat().st_size
-    )
     name = stem_of(path.name, SUFFIXES)
-    shape = shape_of_mask(path, values, affine, name=name, header={_HEADER: header})
+    shape = shape_of_mask(path, values, affine, name=name, header={_HEADER: header}, limits=limits)
     return shape.with_up("z")
 
 
-def nifti_labels(path: Path, shape: Shape) -> Labelling:
+def nifti_labels(path: Path, shape: Shape, *, limits: ReadLimits = _LIMITS) -> Labelling:
     """What a label map says of the cells of a shape; with names from the text beside it.
 
     Parameters
@@ -82,81 +80,88 @@ def nifti_labels(path: Path, shape: Shape) -> Labelling:
     path : Path
     shape : Shape
         A voxel grid of the same size, at the same place.
+    limits : ReadLimits, optional
 
     Raises
     ------
     ShapeError
-        The file is no such file, or labels another grid.
+        The file is no such file, labels another grid, or becomes more than the limits allow.
     """
-    values, affine, _ = _volume(path, ReadLimits())
+    values, affine, _ = _volume(path, limits)
     beside = path.with_name(f"{stem_of(path.name, SUFFIXES)}{_NAMES}")
     text = beside.read_text(encoding="utf-8", errors="replace") if beside.is_file() else ""
     return labels_on(path, shape, values, affine, described(text))
 
 
 def _volume(path: Path, limits: ReadLimits) -> tuple[Any, FloatArray, bytes]:
-    """The values, the affine and the header."""
+    """The values, which are read where they are indexed, the affine and the header."""
     data = path.read_bytes()
-    if data.startswith(_ZIPPED):
-        data = _unzipped(path, data, limits)
-    image = _image(path, data)
-    header, needed = image.header, _checked_size(path, image, len(data), limits)
-    if needed > len(data):
-        size = " x ".join(map(str, header.get_data_shape()))
+    packed = data.startswith(_ZIPPED)
+    with _damage_told(path):
+        kind, sizes, needed = _announced(_beginning(path, data) if packed else data[:_SECOND])
+    told = " x ".join(map(str, sizes))
+    if not sizes or min(sizes) < 1:
+        raise ShapeError(f"{path.name} announces a volume of {told or 'no axes'}; it is damaged")
+    stream = io.BytesIO(data)
+    if packed:
+        limits.refuse_cells(path, occupied=0, grid=math.prod(sizes), size=len(data))
+        stream = unpacked(path, data, "gzip", announced=needed, limits=limits)
+    there = stream.seek(0, io.SEEK_END)
+    stream.seek(0)
+    if needed > there:
         raise ShapeError(
-            f"{path.name} announces a volume of {size} and has {len(data)} bytes instead of"
-            f" {needed}; it is cut off or damaged"
+            f"{path.name} announces a volume of {told} and has {there} bytes instead of {needed};"
+            " it is cut off or damaged"
         )
-    with quietly():
-        values = np.asanyarray(image.dataobj)
-    return values, image.affine, header.binaryblock
+    limits.refuse_cells(path, occupied=0, grid=math.prod(sizes), size=len(data))
+    with _damage_told(path):
+        image = kind.from_stream(stream)
+        if image.affine is None or not np.isfinite(image.affine).all():
+            raise ValueError("its affine has numbers that are none")
+    return image.dataobj, image.affine, image.header.binaryblock
 
 
-def _checked_size(path: Path, image: Any, size: int, limits: ReadLimits) -> int:
-    """How many bytes the whole file takes, header and values, as the header says."""
-    shape, item = image.header.get_data_shape(), image.header.get_data_dtype().itemsize
-    offset, cells = image.dataobj.offset, math.prod(map(int, shape))
-    if not shape or min(shape) < 1 or not 0 <= offset < _LONGEST_HEADER:
-        raise ShapeError(
-            f"{path.name} announces a volume of {' x '.join(map(str, shape))} behind {offset:g}"
-            " bytes of header; it is damaged"
-        )
-    limits.refuse_cells(path, occupied=0, grid=cells, size=size)
-    return int(offset) + cells * int(item)
+def _beginning(path: Path, data: bytes) -> bytes:
+    """The header of a packed file."""
+    with opened(data, "gzip") as stream:
+        try:
+            head: bytes = stream.read(_SECOND)
+        except (OSError, EOFError, zlib.error) as error:
+            raise ShapeError(f"{path.name} cannot be unzipped ({error}); copy it anew") from error
+    return head
 
 
-def _unzipped(path: Path, data: bytes, limits: ReadLimits) -> bytes:
-    """The bytes within, as many as the header asks for: a zipped file may hold any number."""
-    try:
-        with gzip.GzipFile(fileobj=io.BytesIO(data)) as zipped:
-            head = zipped.read(_SECOND)
-            needed = _checked_size(path, _image(path, head), len(data), limits)
-            whole = head + zipped.read(max(0, needed - len(head)))
-            zipped.read(1)  # the sum behind the end is checked
-            return whole
-    except (OSError, EOFError, zlib.error) as error:
-        raise ShapeError(f"{path.name} cannot be unzipped ({error}); copy it anew") from error
-
-
-def _image(path: Path, data: bytes) -> Any:
-    """The image with its header read and its values not yet."""
+def _announced(head: bytes) -> tuple[Any, list[int], int]:
+    """What a header announces: the kind of image, the sizes of axes, and bytes of the file."""
     import nibabel
+
+    size = head[:4]
+    second = size in (struct.pack("<i", _SECOND), struct.pack(">i", _SECOND))
+    kind: Any = nibabel.Nifti2Image if second else nibabel.Nifti1Image
+    block = head[: _SECOND if second else _FIRST]
+    header = kind.header_class(block, check=False)
+    sizes = [int(size) for size in header.get_data_shape()]
+    begin = int(header["vox_offset"])
+    if begin < 0:
+        raise ValueError(f"its values begin at byte {begin}")
+    return kind, sizes, begin + math.prod(sizes) * header.get_data_dtype().itemsize
+
+
+@contextmanager
+def _damage_told(path: Path) -> Iterator[None]:
+    """What nibabel raises over damaged headers becomes a line; what it repairs is no news."""
     from nibabel.filebasedimages import ImageFileError
     from nibabel.spatialimages import HeaderDataError
     from nibabel.wrapstruct import WrapStructError
 
-    size = data[:4]
-    second = size in (struct.pack("<i", _SECOND), struct.pack(">i", _SECOND))
-    kind = nibabel.Nifti2Image if second else nibabel.Nifti1Image
     log = logging.getLogger("nibabel.global")
     level = log.level
-    log.setLevel(logging.CRITICAL)  # what nibabel repairs is no news, what it cannot is raised
+    log.setLevel(logging.CRITICAL)
     try:
         with quietly():
-            image = kind.from_bytes(data)
-            if image.affine is None or not np.isfinite(image.affine).all():
-                raise ValueError("its affine has numbers that are none")
-            return image
+            yield
+    except ShapeError:
+        raise
     except (
         ImageFileError,
         HeaderDataError,

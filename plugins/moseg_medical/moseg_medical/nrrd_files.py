@@ -9,16 +9,16 @@ segments that the input had are left out.
 
 from __future__ import annotations
 
-import bz2
 import io
 import math
 import re
 import zlib
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
+import numpy.typing as npt
 
 from moseg_core import Labelling, ReadLimits, Result, Shape, ShapeError
 from moseg_medical.label_names import segment_keys, segments_in
@@ -31,12 +31,10 @@ from moseg_medical.masks import (
     shape_of_mask,
     stem_of,
 )
+from moseg_medical.unpacking import unpacked
 
 SUFFIXES = (".nrrd",)
 _HEADER = "nrrd"
-_GZIP = ("gzip", "gz")
-_PACKED = (*_GZIP, "bzip2", "bz2")
-_OF_GZIP = zlib.MAX_WBITS | 16
 _LPS = "left-posterior-superior"
 _RAS = (1.0, 1.0, 1.0)
 #: Signs that turn a space into RAS; in all of them the third axis goes up the patient.
@@ -54,16 +52,28 @@ _OF_VALUES = {
     *("type", "dimension", "sizes", "endian", "encoding", "content", "min", "max", "old min"),
     *("old max", "data file", "line skip", "byte skip", "sample units", "block size", "number"),
 }
+#: How values are packed, by the names of it that a header may give.
+_PACKINGS: dict[str, Literal["gzip", "bzip2"]] = {
+    **dict.fromkeys(("gzip", "gz"), "gzip"),
+    **dict.fromkeys(("bzip2", "bz2"), "bzip2"),
+}
+#: Bytes of a value, by what the name of its type has in it; the first that fits.
+_BYTES = {
+    **{"8": 1, "char": 1, "16": 2, "short": 2, "32": 4, "64": 8, "long": 8},
+    **{"int": 4, "float": 4},
+}
+#: Cells that no file holds, whatever limits are lifted.
+_MOST = 2**40
+_LIMITS = ReadLimits()
 
 
-def read_nrrd(path: Path, *, limits: ReadLimits | None = None) -> Shape:
+def read_nrrd(path: Path, *, limits: ReadLimits = _LIMITS) -> Shape:
     """Read a mask or label map as a solid voxel grid.
 
     Parameters
     ----------
     path : Path
     limits : ReadLimits, optional
-        How large a grid may be.
 
     Returns
     -------
@@ -75,19 +85,15 @@ def read_nrrd(path: Path, *, limits: ReadLimits | None = None) -> Shape:
     ------
     ShapeError
         The file is no such file, is cut off, holds an image and no mask, or is empty; its values
-        are in another file.
+        are in another file, or become more than the limits allow.
     """
-    limits = limits or ReadLimits()
     values, affine, header = _volume(path, limits)
-    limits.refuse_cells(
-        path, occupied=int(np.count_nonzero(values)), grid=values.size, size=path.stat().st_size
-    )
     name = stem_of(path.name, SUFFIXES)
-    shape = shape_of_mask(path, values, affine, name=name, header={_HEADER: header})
+    shape = shape_of_mask(path, values, affine, name=name, header={_HEADER: header}, limits=limits)
     return shape.with_up("z") if _space(header) in _SIGNS else shape
 
 
-def nrrd_labels(path: Path, shape: Shape) -> Labelling:
+def nrrd_labels(path: Path, shape: Shape, *, limits: ReadLimits = _LIMITS) -> Labelling:
     """What a label map says of the cells of a shape; with the names of its segments.
 
     Parameters
@@ -95,13 +101,14 @@ def nrrd_labels(path: Path, shape: Shape) -> Labelling:
     path : Path
     shape : Shape
         A voxel grid of the same size, at the same place.
+    limits : ReadLimits, optional
 
     Raises
     ------
     ShapeError
-        The file is no such file, or labels another grid.
+        The file is no such file, labels another grid, or becomes more than the limits allow.
     """
-    values, affine, header = _volume(path, ReadLimits())
+    values, affine, header = _volume(path, limits)
     return labels_on(path, shape, values, affine, segments_in(header))
 
 
@@ -114,8 +121,7 @@ def _volume(path: Path, limits: ReadLimits) -> tuple[Any, FloatArray, dict[str, 
         with quietly():
             header = dict(nrrd.read_header(stream))
             _check(path, header, limits)
-            known, stream = _unpacked(nrrd, path, header, stream)
-            values = nrrd.read_data(known, stream, index_order="F")
+            values = _values(path, header, stream, limits)
         affine = _affine(path, header)
     except (
         nrrd.NRRDError,
@@ -143,39 +149,47 @@ def _volume(path: Path, limits: ReadLimits) -> tuple[Any, FloatArray, dict[str, 
 
 
 def _check(path: Path, header: dict[str, Any], limits: ReadLimits) -> None:
-    """Refuse values elsewhere, since a file that names others could name any; and too many."""
+    """Refuse values elsewhere, as a file that names others could name any; and too many cells."""
     for key in ("data file", "datafile"):
         if key in header:
             raise ShapeError(
                 f"{path.name} keeps its values in another file, '{header[key]!s:.80}'; save header"
                 f" and values as one .nrrd file"
             )
-    cells = math.prod(int(size) for size in header["sizes"])
-    size = path.stat().st_size
-    limits.refuse_cells(path, occupied=0, grid=cells, size=size)
-    if any(int(header.get(key, 0)) > size for key in ("line skip", "lineskip")):
-        raise ShapeError(f"{path.name} skips more lines than it has bytes; it is damaged")
+    sizes = [int(size) for size in header["sizes"]]
+    if not sizes or min(sizes) < 1 or math.prod(sizes) > _MOST:
+        raise ShapeError(
+            f"{path.name} announces a volume of {' x '.join(map(str, sizes))} cells; it is damaged"
+        )
+    limits.refuse_cells(path, occupied=0, grid=math.prod(sizes), size=path.stat().st_size)
 
 
-def _unpacked(
-    nrrd: Any, path: Path, header: dict[str, Any], stream: io.BytesIO
-) -> tuple[dict[str, Any], io.BytesIO]:
-    """Header and values of packed values that are unpacked, as many as the header announces.
+def _values(
+    path: Path, header: dict[str, Any], stream: io.BytesIO, limits: ReadLimits
+) -> npt.NDArray[Any]:
+    """The values behind a header; packed ones unpacked as far as it announces them."""
+    import nrrd
 
-    pynrrd unpacks all that there is, which may be any number.
-    """
-    encoding = header.get("encoding")
-    if encoding not in _PACKED:
-        return header, stream
-    if any(int(header.get(key, 0)) for key in ("line skip", "lineskip", "byte skip", "byteskip")):
-        raise ShapeError(f"{path.name} skips a part of its packed values; save it anew")
-    needed = math.prod(map(int, header["sizes"])) * nrrd.reader._determine_datatype(header).itemsize
-    unpacker = zlib.decompressobj(_OF_GZIP) if encoding in _GZIP else bz2.BZ2Decompressor()
-    values = unpacker.decompress(stream.read(), max(0, needed) + 1)
-    if len(values) != needed:
-        more = "more" if len(values) > needed else "less"
-        raise ShapeError(f"{path.name} holds {more} than it announces; it is damaged")
-    return {**header, "encoding": "raw"}, io.BytesIO(values)
+    lines = int(header.get("lineskip", header.get("line skip", 0)))
+    if lines > stream.getvalue().count(b"\n"):
+        raise ValueError(f"it is to skip {lines} lines and has fewer")
+    packing = _PACKINGS.get(header["encoding"])
+    values: npt.NDArray[Any]
+    if packing is None:
+        values = nrrd.read_data(header, stream, index_order="F")
+        return values
+    for _ in range(lines):
+        stream.readline()
+    skipped = int(header.get("byteskip", header.get("byte skip", 0)))
+    item = next((count for word, count in _BYTES.items() if word in header["type"]), 8)
+    count = math.prod(map(int, header["sizes"])) * item
+    announced = max(skipped, 0) + count
+    plain = unpacked(path, stream.read(), packing, announced=announced, limits=limits)
+    if skipped >= 0 and plain.getbuffer().nbytes > announced:  # else the values are the last ones
+        raise ValueError(f"it unpacks to {plain.getbuffer().nbytes} bytes instead of {announced}")
+    bare = {key: value for key, value in header.items() if key not in ("lineskip", "line skip")}
+    values = nrrd.read_data({**bare, "encoding": "raw"}, plain, index_order="F")
+    return values
 
 
 def _affine(path: Path, header: dict[str, Any]) -> FloatArray:

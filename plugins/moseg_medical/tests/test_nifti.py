@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import gzip
-import tracemalloc
 
 import nibabel
 import numpy as np
@@ -120,11 +119,7 @@ def test_a_file_that_announces_more_than_it_has(tmp_path):
     data[42:48] = np.array([30000, 30000, 30000], "<i2").tobytes()
     path = tmp_path / "x.nii"
     path.write_bytes(data)
-    with pytest.raises(ShapeError, match="a grid of 27,000,000,000,000 cells; the limit is grid"):
-        read_nifti(path)
-    data[42:48] = np.array([300, 30, 30], "<i2").tobytes()
-    path.write_bytes(data)
-    with pytest.raises(ShapeError, match=r"x\.nii announces a volume of 300 x 30 x 30 and has"):
+    with pytest.raises(ShapeError, match=r"x\.nii announces a volume of 30000 x 30000 x 30000"):
         read_nifti(path)
     path.write_bytes(b"\x1f\x8b nothing")
     with pytest.raises(ShapeError, match="cannot be unzipped"):
@@ -159,24 +154,3 @@ def test_labels_are_those_of_places(tmp_path):
     small = saved(tmp_path, nibabel.Nifti1Image(ell()[1:], AFFINE), "small.nii")
     with pytest.raises(ShapeError, match="labels a grid of 4 x 4 x 3 cells"):
         moseg.read_labels(small, shape)
-
-
-def test_a_file_that_ends_before_its_values_or_begins_them_nowhere(tmp_path):
-    path = tmp_path / "x.nii"
-    data = example(".nii")
-    path.write_bytes(data[:352])
-    with pytest.raises(ShapeError, match="instead of 412; it is cut off"):
-        read_nifti(path)
-    path.write_bytes(data[:108] + np.array([1e30], "<f4").tobytes() + data[112:])
-    with pytest.raises(ShapeError, match="bytes of header; it is damaged"):
-        read_nifti(path)
-
-
-def test_no_more_is_unzipped_than_the_header_asks_for(tmp_path):
-    path = tmp_path / "x.nii.gz"
-    path.write_bytes(gzip.compress(example(".nii") + bytes(1 << 26)))
-    tracemalloc.start()
-    assert moseg.load(path).n_elements == 10
-    peak = tracemalloc.get_traced_memory()[1]
-    tracemalloc.stop()
-    assert peak < 1 << 25
