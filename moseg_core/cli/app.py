@@ -392,6 +392,7 @@ def evaluate(
     /,
     *truths: Path,
     voxels: Literal["solid", "surface"] = "solid",
+    limit: list[str] | None = None,
     rename: str | None = None,
     label_property: str | None = None,
     json: Flag = False,
@@ -419,6 +420,8 @@ def evaluate(
         One or more labellings to compare with.
     voxels
         Whether all cells of a voxel grid are elements, or only those of its surface.
+    limit
+        How much a file may become, as "cells=2e7" or "none": see docs/formats.md. Repeatable.
     rename
         Names of the result and what the truth calls them: given=true,given=true.
     label_property
@@ -434,7 +437,7 @@ def evaluate(
         shape,
         result,
         truths,
-        voxels=voxels,
+        reading=ShapeFlags(voxels=voxels, limit=limit),
         rename=rename,
         label_property=label_property,
         as_json=json,

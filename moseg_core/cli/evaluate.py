@@ -11,7 +11,7 @@ import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, fields
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from rich.table import Table
@@ -28,7 +28,7 @@ from moseg_core.agreement import (
 )
 from moseg_core.cli.console import console, lines_of, message, print_json
 from moseg_core.cli.flags import ShapeFlags
-from moseg_core.cli.reading import read_label_property, read_shape
+from moseg_core.cli.reading import limits_of, read_label_property, read_shape
 from moseg_core.errors import UsageError, nearest
 from moseg_core.io import Labelling, read_labels
 from moseg_core.shape.mesh import PolygonMesh
@@ -57,7 +57,7 @@ def run_evaluate(
     result: Path,
     truths: Sequence[Path],
     *,
-    voxels: Literal["solid", "surface"],
+    reading: ShapeFlags,
     rename: str | None,
     label_property: str | None,
     as_json: bool,
@@ -66,12 +66,12 @@ def run_evaluate(
     if not truths:
         raise UsageError("evaluate takes a shape, a result and at least one true labelling")
     translation = read_rename(rename)
-    shape = read_shape(path, ShapeFlags(voxels=voxels))
-    found = _read(result, shape, label_property)
+    shape = read_shape(path, reading)
+    found = _read(result, shape, label_property, reading)
     if translation and found.names is None:
         raise UsageError(f"{result.name} has no names of labels that --rename could replace")
     given = None if found.names is None else renamed(found.names, translation)
-    true = [_read(truth, shape, label_property) for truth in truths]
+    true = [_read(truth, shape, label_property, reading) for truth in truths]
     for note in dict.fromkeys(note for labelling in (found, *true) for note in labelling.notes):
         message(note)
     for truth, labelling in zip(truths, true, strict=True):
@@ -113,8 +113,9 @@ def run_evaluate(
             out.print(block)
 
 
-def _read(path: Path, shape: Shape, label_property: str | None) -> Labelling:
-    return read_labels(path, shape, label_property=read_label_property(label_property))
+def _read(path: Path, shape: Shape, label_property: str | None, reading: ShapeFlags) -> Labelling:
+    asked, limits = read_label_property(label_property), limits_of(reading)
+    return read_labels(path, shape, label_property=asked, limits=limits)
 
 
 def _edge_graph(shape: Shape) -> EdgeGraph | None:

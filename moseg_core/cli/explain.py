@@ -9,7 +9,7 @@ import numpy as np
 
 from moseg_core.cli.console import message, print_json, print_terms
 from moseg_core.cli.flags import ProblemFlags, ShapeFlags
-from moseg_core.cli.reading import matched_labels, read_label_property, read_shape
+from moseg_core.cli.reading import limits_of, matched_labels, read_label_property, read_shape
 from moseg_core.cli.request import read_statement, read_variants
 from moseg_core.components.segmentation import Segmentation
 from moseg_core.errors import UsageError
@@ -48,7 +48,9 @@ def run_explain(
         shape = read_shape(source, reading)
         # A cost is that of all elements.
         asked = read_label_property(label_property)
-        labelling = read_labels(parts, shape, label_property=asked, fill=True)
+        labelling = read_labels(
+            parts, shape, label_property=asked, fill=True, limits=limits_of(reading)
+        )
         for note in labelling.notes:
             message(note)
         if variants is None:

@@ -15,12 +15,13 @@ import numpy as np
 from moseg_core.cli.console import message
 from moseg_core.cli.flags import PartFlags, ShapeFlags
 from moseg_core.cli.interrupt import stop_on_interrupt
-from moseg_core.cli.reading import matched_labels, read_label_property, read_shape
+from moseg_core.cli.reading import limits_of, matched_labels, read_label_property, read_shape
 from moseg_core.cli.saving import check_outputs, check_saving, raise_last, save_outputs
 from moseg_core.cli.working_folder import working_folder_kept
 from moseg_core.errors import UsageError
 from moseg_core.io import load_result, read_labels, read_result
 from moseg_core.io.part_files import PartForm
+from moseg_core.io.read.limits import ReadLimits
 from moseg_core.io.result_loading import find_shape
 from moseg_core.search.result import Result, find_warnings
 
@@ -48,7 +49,7 @@ def run_export(
     result = load_result(source, shape)
     if labels is not None:
         with working_folder_kept():
-            result = _relabelled(result, labels, label_property)
+            result = _relabelled(result, labels, label_property, limits_of(reading))
     check_saving(shape, outputs, form)
     with stop_on_interrupt(wanted=True) as stop:
         stop.writing()
@@ -61,10 +62,12 @@ def run_export(
     stop.raise_if_asked()
 
 
-def _relabelled(result: Result, path: Path, label_property: str | None) -> Result:
+def _relabelled(
+    result: Result, path: Path, label_property: str | None, limits: ReadLimits
+) -> Result:
     """The result with other labels, and their cost."""
     asked = read_label_property(label_property)
-    labelling = read_labels(path, result.shape, label_property=asked, fill=True)
+    labelling = read_labels(path, result.shape, label_property=asked, fill=True, limits=limits)
     for note in labelling.notes:
         message(note)
     labels = matched_labels(labelling, result.problem.labels, path).astype(np.int32)

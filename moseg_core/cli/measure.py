@@ -25,7 +25,7 @@ from moseg_core.batching.ledger import is_batch, results_in
 from moseg_core.cli.console import console, message, progress_reporter
 from moseg_core.cli.flags import SearchedProblemFlags, SearchFlags, ShapeFlags, SteeringFlags
 from moseg_core.cli.interrupt import Stop, stop_on_interrupt
-from moseg_core.cli.reading import named_labels, read_label_property, read_shape
+from moseg_core.cli.reading import limits_of, named_labels, read_label_property, read_shape
 from moseg_core.cli.request import read_search, read_statement, read_variants
 from moseg_core.cli.saving import check_distinct, raise_last
 from moseg_core.cli.working_folder import working_folder_kept
@@ -37,6 +37,7 @@ from moseg_core.io import read_labels, read_result, write_file
 from moseg_core.io.byte_names import readable
 from moseg_core.io.files import files_of, instead_of, write_files
 from moseg_core.io.labels.reading import bearing_suffixes
+from moseg_core.io.read.limits import ReadLimits
 from moseg_core.io.result_loading import check_shape, find_shape
 from moseg_core.io.whole_file import check_destination
 from moseg_core.problem.settings import SearchOptions
@@ -236,7 +237,7 @@ def _measured(
         message(f"{path.name}: {note}", quiet=quiet)
     if labels is not None:
         try:
-            return _of_labels(labels, shape, label_property, quiet=quiet)
+            return _of_labels(labels, shape, label_property, limits_of(reading), quiet=quiet)
         except (ShapeError, UsageError):
             if finder is None or labels != path:
                 raise
@@ -303,10 +304,15 @@ def _of_result(path: Path, reading: ShapeFlags, folders: Sequence[Path]) -> Part
 
 
 def _of_labels(
-    path: Path, shape: Shape, label_property: Sequence[str], *, quiet: bool
+    path: Path,
+    shape: Shape,
+    label_property: Sequence[str],
+    limits: ReadLimits,
+    *,
+    quiet: bool,
 ) -> PartTable:
     """The parts of a labelled shape; what has no label is no part."""
-    labelling = read_labels(path, shape, label_property=label_property)
+    labelling = read_labels(path, shape, label_property=label_property, limits=limits)
     for note in labelling.notes:
         message(note, quiet=quiet)
     labels, names = named_labels(labelling)

@@ -89,8 +89,19 @@ def reading_of(flags: ShapeFlags) -> Reading:
     given: Any = {field.name: getattr(flags, field.name) for field in fields(flags)}
     pitch = None if flags.pitch is None else tuple(read_pitch(flags.pitch))
     limit = tuple(flags.limit or ())
-    ReadLimits.read(limit)  # refused now, and not file by file
+    limits_of(flags)  # refused now, and not file by file
     return Reading(**{**given, "pitch": pitch, "limit": limit})
+
+
+def limits_of(flags: ShapeFlags) -> ReadLimits:
+    """How much a file may become, also one that bears labels.
+
+    Raises
+    ------
+    UsageError
+        A limit that is not understood.
+    """
+    return ReadLimits.read(flags.limit or ())
 
 
 def matched_labels(labelling: Labelling, names: tuple[str, ...], path: Path) -> IntArray:

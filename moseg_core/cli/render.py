@@ -7,7 +7,7 @@ from pathlib import Path
 
 from moseg_core.cli.console import message
 from moseg_core.cli.flags import ShapeFlags
-from moseg_core.cli.reading import named_labels, read_label_property, read_shape
+from moseg_core.cli.reading import limits_of, named_labels, read_label_property, read_shape
 from moseg_core.cli.saving import check_distinct
 from moseg_core.cli.waiting import waiting
 from moseg_core.errors import UsageError
@@ -45,7 +45,12 @@ def run_render(
         )
     chosen, pixels = read_views(views), read_size(size)
     shape = read_shape(path, reading)
-    labelling = read_labels(result, shape, label_property=read_label_property(label_property))
+    labelling = read_labels(
+        result,
+        shape,
+        label_property=read_label_property(label_property),
+        limits=limits_of(reading),
+    )
     for note in labelling.notes:
         message(note)
     labels, names = named_labels(labelling)

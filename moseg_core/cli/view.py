@@ -7,7 +7,7 @@ from pathlib import Path
 
 from moseg_core.cli.console import message
 from moseg_core.cli.flags import ShapeFlags
-from moseg_core.cli.reading import named_labels, read_label_property, read_shape
+from moseg_core.cli.reading import limits_of, named_labels, read_label_property, read_shape
 from moseg_core.errors import ShapeError, UsageError
 from moseg_core.io import read_labels, read_result, write_file
 from moseg_core.io.files import instead_of
@@ -48,7 +48,7 @@ def run_view(
         labels = _bearing(source) if labels is None else labels
     for note in shape.notes:
         message(f"{shape.name}: {note}")
-    page = page_html(page_document(_content(shape, labels, label_property)))
+    page = page_html(page_document(_content(shape, labels, label_property, reading)))
     if out is not None:
         write_file(out, page)
         message(f"wrote {out}")
@@ -57,9 +57,12 @@ def run_view(
     message(f"wrote {path}" + ("" if opened or not browser else "; open it in a browser"))
 
 
-def _content(shape: Shape, path: Path, label_property: str | None) -> PageContent:
+def _content(
+    shape: Shape, path: Path, label_property: str | None, reading: ShapeFlags
+) -> PageContent:
     """What there is to show of the labels in a file: of a result its cost as well."""
-    labelling = read_labels(path, shape, label_property=read_label_property(label_property))
+    asked = read_label_property(label_property)
+    labelling = read_labels(path, shape, label_property=asked, limits=limits_of(reading))
     for note in labelling.notes:
         message(note)
     labels, names = named_labels(labelling, before="label ")

@@ -6,6 +6,7 @@ of single files is not measured, since it would depend on the machine.
 
 from __future__ import annotations
 
+import importlib
 import io
 import json
 import os
@@ -17,6 +18,7 @@ import numpy as np
 import pytest
 
 import moseg_core as moseg
+from moseg_core.cli import main
 from tests import shapes
 from tests.io.read.glb_files import glb, pack
 
@@ -234,7 +236,42 @@ def test_limits_are_raised_and_lifted(tmp_path):
     with pytest.raises(moseg.ShapeError, match="triangles_per_byte"):
         moseg.load(file)
     raised = moseg.ReadLimits(triangles_per_byte=10)
-    assert moseg.load(file, limits=raised).n_elements == 16_000
+    shape = moseg.load(file, limits=raised)
+    assert shape.n_elements == 16_000
+    with pytest.raises(moseg.ShapeError, match="triangles_per_byte"):
+        moseg.read_labels(file, shape)
+    assert moseg.read_labels(file, shape, limits=raised).names == ("node 0",)
+
+
+@pytest.mark.parametrize("command", ["evaluate", "explain", "measure", "render", "view"])
+def test_labels_obey_the_limit_of_the_command_line(tmp_path, monkeypatch, capsys, command):
+    file, labels = tmp_path / "instances.glb", tmp_path / "labels.glb"
+    nodes = [{"mesh": 0, "name": "ab"[k % 2]} for k in range(200)]
+    for path in (file, labels):
+        path.write_bytes(scene(nodes=nodes))
+    asked = {
+        "evaluate": [str(file), str(labels), str(labels)],
+        "explain": [str(file), "--parts", str(labels), "--labels=a,b", "--minimize=flat(a)"],
+        "measure": [f"{file}={labels}"],
+        "render": [str(file), str(labels), "-o", str(tmp_path / "x.png")],
+        "view": [str(file), str(labels), "-o", str(tmp_path / "x.html")],
+    }[command]
+    given = []
+
+    def read(path, shape, **options):
+        given.append(options["limits"])
+        raise moseg.ShapeError("seen")
+
+    module = importlib.import_module(f"moseg_core.cli.{command}")
+    monkeypatch.setattr(module, "read_labels", read)
+    with pytest.raises(SystemExit) as ended:
+        main([command, *asked])
+    assert (ended.value.code, given) == (3, [])  # the shape itself is beyond the limit
+    capsys.readouterr()
+    with pytest.raises(SystemExit):
+        main([command, *asked, "--limit", "triangles_per_byte=10"])
+    assert given == [moseg.ReadLimits(triangles_per_byte=10)]
+    assert "seen" in capsys.readouterr().err
 
 
 def test_a_pipe_is_not_waited_for(tmp_path):

@@ -44,7 +44,7 @@ def read_glb_labels(path: Path, wanted: Wanted) -> Listing:
     >>> sorted(found.names), len(found.labels)
     (['body', 'leg'], 24)
     """
-    pieces = read_glb_pieces(path)
+    pieces = read_glb_pieces(path, limits=wanted.limits)
     sizes = [piece.n_triangles for piece in pieces]
     nodes = [(piece.node or piece.mesh, piece.place) for piece in pieces]
     said = {
@@ -76,7 +76,8 @@ def read_glb_labels(path: Path, wanted: Wanted) -> Listing:
         of="elements",
         notes=notes,
         # Rows multiplied by a turn from the right are turned back.
-        places=middles(read_glb(path).geometry) @ turn_to_y(read_glb_up(path)),
+        places=middles(read_glb(path, limits=wanted.limits).geometry)
+        @ turn_to_y(read_glb_up(path)),
     )
 
 

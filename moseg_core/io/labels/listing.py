@@ -17,6 +17,7 @@ import numpy.typing as npt
 
 from moseg_core.io.labels.properties import plain
 from moseg_core.io.read.checked import file_error
+from moseg_core.io.read.limits import LIMITS, ReadLimits
 from moseg_core.io.read.text_rows import word
 from moseg_core.shape.geometry import Geometry
 from moseg_core.shape.shape import Shape
@@ -65,6 +66,8 @@ class Wanted:
         The cells that are elements, where the shape is a voxel grid.
     bearer : {"elements", "vertices", "unsaid"}
         What the file says that it labels.
+    limits : ReadLimits
+        How much a shape that bears the labels may become.
     """
 
     n_elements: int
@@ -73,18 +76,22 @@ class Wanted:
     properties: tuple[str, ...] = ()
     grid: VoxelGrid | None = None
     bearer: Of = "unsaid"
+    limits: ReadLimits = LIMITS
 
     @classmethod
-    def of(cls, shape: Shape | int, properties: Sequence[str] = ()) -> Wanted:
+    def of(
+        cls, shape: Shape | int, properties: Sequence[str] = (), *, limits: ReadLimits = LIMITS
+    ) -> Wanted:
         """For a shape, or for so many elements of which nothing more is known."""
         if isinstance(shape, int | np.integer):
-            return cls(n_elements=int(shape), properties=tuple(properties))
+            return cls(n_elements=int(shape), properties=tuple(properties), limits=limits)
         return cls(
             n_elements=shape.n_elements,
             n_vertices=len(shape.geometry.vertices),
             noun=shape.noun,
             properties=tuple(properties),
             grid=shape.geometry if isinstance(shape.geometry, VoxelGrid) else None,
+            limits=limits,
         )
 
     def told(self, name: str) -> Wanted:

@@ -17,6 +17,7 @@ import numpy as np
 
 from moseg_core.components.discovery.registry import Component, registry
 from moseg_core.components.discovery.specs import ReaderSpec
+from moseg_core.components.parameters import takes
 from moseg_core.errors import REPORT, PluginError, ShapeError, UsageError
 from moseg_core.io.labels.arrays import read_npy, read_npz
 from moseg_core.io.labels.fitting import fitted
@@ -30,6 +31,7 @@ from moseg_core.io.labels.safe_names import safe_names
 from moseg_core.io.labels.stl import read_stl_labels
 from moseg_core.io.labels.text import read_text
 from moseg_core.io.read.checked import file_error
+from moseg_core.io.read.limits import LIMITS, ReadLimits
 from moseg_core.regular_file import refuse_irregular
 from moseg_core.shape.shape import Shape
 
@@ -56,6 +58,7 @@ def read_labels(
     *,
     label_property: str | Sequence[str] = (),
     fill: bool = False,
+    limits: ReadLimits = LIMITS,
 ) -> Labelling:
     r"""Read the labelling of a shape, in any form that the suffix may have.
 
@@ -73,6 +76,8 @@ def read_labels(
     fill : bool
         Whether elements without a label get that of the nearest element that has one; needs a
         shape.
+    limits : ReadLimits, optional
+        How much a file may become that is a shape with labels, as in :func:`moseg_core.load`.
 
     Returns
     -------
@@ -85,7 +90,8 @@ def read_labels(
     UsageError
         Another suffix; `fill` where only a number of elements is known.
     ShapeError
-        The file cannot be read, is malformed, labels nothing, or does not fit the shape.
+        The file cannot be read, is malformed, labels nothing, does not fit the shape, or becomes
+        more than the limits allow.
 
     Examples
     --------
@@ -112,13 +118,13 @@ def read_labels(
             " faces; give the labels of the faces"
         )
     asked = (label_property,) if isinstance(label_property, str) else tuple(label_property)
-    wanted = Wanted.of(shape, asked)
+    wanted = Wanted.of(shape, asked, limits=limits)
     if reader := _READERS.get(suffix):
         listing = reader(path, wanted)
         labels, notes = fitted(path, listing, shape)
         names, notes = listing.names, (*listing.notes, *notes)
     else:
-        told = _told_by_bundle(path, shape)
+        told = _told_by_bundle(path, shape, limits)
         labels, names, notes = told.labels, told.names, told.notes
     if names is not None and labels.size and labels.max() >= len(names):
         element = int(np.argmax(labels >= len(names)))
@@ -164,7 +170,7 @@ def _bearers() -> dict[str, Component]:
     }
 
 
-def _told_by_bundle(path: Path, shape: Shape | int) -> Labelling:
+def _told_by_bundle(path: Path, shape: Shape | int, limits: ReadLimits) -> Labelling:
     """Labels as the reader of a bundle tells them."""
     able = _bearers()
     fitting = [suffix for suffix in able if path.name.lower().endswith(suffix)]
@@ -181,7 +187,9 @@ def _told_by_bundle(path: Path, shape: Shape | int) -> Labelling:
     try:
         refuse_irregular(path)
         with component.guard(f"failed on the labels of '{path}'"):
-            told = getattr(importlib.import_module(module), name)(path, shape)
+            tell = getattr(importlib.import_module(module), name)
+            given = {"limits": limits} if takes(tell, "limits") else {}
+            told = tell(path, shape, **given)
     except OSError as error:
         raise ShapeError(f"'{path}' cannot be read: {error.strerror or error}") from error
     if not isinstance(told, Labelling) or told.labels.shape != (shape.n_elements,):

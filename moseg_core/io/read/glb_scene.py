@@ -188,12 +188,13 @@ class GlbPiece:
     n_triangles: int
 
 
-def read_glb_pieces(path: Path) -> list[GlbPiece]:
+def read_glb_pieces(path: Path, *, limits: ReadLimits = LIMITS) -> list[GlbPiece]:
     """What the triangles of a GLB file are called, in the order of :func:`read_glb`.
 
     Parameters
     ----------
     path : Path
+    limits : ReadLimits, optional
 
     Raises
     ------
@@ -201,7 +202,7 @@ def read_glb_pieces(path: Path) -> list[GlbPiece]:
         As for :func:`read_glb`.
     """
     glb = GlbFile.parse(path, read_file(path))
-    scene = PlacedMeshes(glb, LIMITS)
+    scene = PlacedMeshes(glb, limits)
     pieces: list[GlbPiece] = []
     for place, (node, number, _) in enumerate(_placed_meshes(glb)):
         mesh = scene.mesh(number)

@@ -13,6 +13,7 @@ from moseg_core.components.discovery.registry import Bundle, Component, Registry
 from moseg_core.components.discovery.specs import ReaderSpec
 from moseg_core.errors import PluginError, ShapeError, UsageError
 from moseg_core.io.labels import Labelling, encode_named_labels, encode_seg, read_labels, reading
+from moseg_core.io.read.limits import ReadLimits
 from moseg_core.shape.shape import Shape
 from tests import shapes
 
@@ -229,6 +230,16 @@ def test_the_reader_of_a_bundle_tells_labels(acme, tmp_path, row):
     assert "x.sheet.gz".endswith(reading.bearing_suffixes())
     with pytest.raises(UsageError, match="labels are those of places; give the shape"):
         read_labels(tmp_path / "x.sheet", 6)
+
+
+def test_limits_hold_for_labels_as_for_shapes(acme, tmp_path, row):
+    given = []
+    told = Labelling(labels=np.zeros(6, int), names=None)
+    acme(lambda path, shape, *, limits: given.append(limits) or told)
+    raised = ReadLimits(cells=7)
+    read_labels(tmp_path / "x.sheet", row, limits=raised)
+    read_labels(tmp_path / "x.sheet", row)
+    assert given == [raised, ReadLimits()]
 
 
 def test_a_bundle_that_tells_no_labels_is_named(acme, tmp_path, row):
