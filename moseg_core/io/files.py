@@ -313,11 +313,12 @@ def check_output(path: Path, *, source: Registry | None = None) -> Component:
     Raises
     ------
     UsageError
-        No writer for the suffix, no such folder, or a folder of that name.
+        No writer for the suffix, no such folder, a folder of that name, or a name that no file can
+        have.
     PluginError
         The writer cannot be imported.
     MosegError
-        The folder takes no files, or none of that name; the disk is full.
+        The folder takes no files; the disk is full.
     """
     component = writer_for(path, source=source)
     component.load()

@@ -86,9 +86,9 @@ def check_destination(path: str | os.PathLike[str]) -> None:
     Raises
     ------
     UsageError
-        It is a folder, or there is no such folder.
+        It is a folder, there is no such folder, or no file can have that name.
     MosegError
-        The folder takes no files, or none of that name; the disk is full.
+        The folder takes no files; the disk is full.
 
     Examples
     --------
@@ -107,8 +107,16 @@ def check_destination(path: str | os.PathLike[str]) -> None:
             raise UsageError(f"cannot write '{path}': it is a folder")
         if not os.path.isdir(path.parent):
             raise UsageError(f"cannot write '{path}': there is no folder '{path.parent}'")
-        place = Path(os.path.realpath(path))
-        _status(place)
+        try:
+            place = Path(os.path.realpath(path))
+            _status(place)
+        except (OSError, ValueError) as error:
+            if isinstance(error, OSError) and error.errno != errno.ENAMETOOLONG:
+                raise
+            reason = getattr(error, "strerror", None) or error
+            raise UsageError(
+                f"cannot write '{path}': no file can be called so: {reason}"
+            ) from error
         with _aside(place) as (_, descriptor), os.fdopen(descriptor, "wb") as file:
             file.write(bytes(_TRIED))
 
