@@ -232,7 +232,7 @@ def test_a_shape_far_from_the_origin_comes_back_from_a_glb_file(tmp_path):
 
 def test_limits_are_raised_and_lifted(tmp_path):
     file = tmp_path / "instances.glb"
-    file.write_bytes(scene(nodes=[{"mesh": 0}] * 200))
+    file.write_bytes(scene(nodes=[{"mesh": 0, "name": "ball"}] * 200))
     with pytest.raises(moseg.ShapeError, match="triangles_per_byte"):
         moseg.load(file)
     raised = moseg.ReadLimits(triangles_per_byte=10)
@@ -240,7 +240,7 @@ def test_limits_are_raised_and_lifted(tmp_path):
     assert shape.n_elements == 16_000
     with pytest.raises(moseg.ShapeError, match="triangles_per_byte"):
         moseg.read_labels(file, shape)
-    assert moseg.read_labels(file, shape, limits=raised).names == ("node 0",)
+    assert moseg.read_labels(file, shape, limits=raised).names == ("ball",)
 
 
 @pytest.mark.parametrize("command", ["evaluate", "explain", "measure", "render", "view"])
