@@ -50,6 +50,8 @@ from moseg_core.errors import MosegError, PluginError, UsageError, nearest, unkn
 NOT_INSTALLED = "not installed"
 """In the place of the distribution that a component comes from, where no bundle brings it."""
 
+_NO_PLUGINS = "MOSEG_NO_PLUGINS"
+
 
 @dataclass(frozen=True)
 class Component:
@@ -224,7 +226,7 @@ class Registry:
                 )
         known = [c.id for c in components] if namespace else self.names(kind)
         message = unknown(kind, name, known)
-        raise UsageError(message + self._mention_aside())
+        raise UsageError(message + self._mention_aside() + _mention_no_plugins())
 
     def _known_to(self, scope: str, components: Sequence[Component]) -> list[Component]:
         """Those that a bundle was written with: its own, or else those that it requires."""
@@ -284,7 +286,7 @@ class Registry:
         verb = "read" if kind == "reader" else "write"
         asked = f"'.{words[-1]}'" if words else "without a suffix"
         message = f"cannot {verb} files {asked}; formats: {allowed}"
-        raise UsageError(message + self._mention_aside())
+        raise UsageError(message + self._mention_aside() + _mention_no_plugins())
 
 
 @lru_cache(maxsize=1)
@@ -302,7 +304,7 @@ def registry() -> Registry:
     PluginError
         A bundle is set aside, and ``MOSEG_STRICT`` is 1.
     """
-    wanted = "" if _is_on("MOSEG_NO_PLUGINS") else os.environ.get("MOSEG_PLUGINS")
+    wanted = "" if _is_on(_NO_PLUGINS) else os.environ.get("MOSEG_PLUGINS")
     names = None if wanted is None else {name.strip() for name in wanted.split(",")} | {"core"}
     points = installed_points()
     for name in sorted((names or set()) - {point.name for point in points} - {""}):
@@ -314,6 +316,13 @@ def registry() -> Registry:
         count = "a bundle is" if len(aside) == 1 else f"{len(aside)} bundles are"
         raise PluginError(f"{count} set aside, and MOSEG_STRICT is 1: {' | '.join(aside)}")
     return found
+
+
+def _mention_no_plugins() -> str:
+    """That bundles are left out, after a name that one of them may have; else nothing."""
+    if os.environ.get(_NO_PLUGINS) != "1":
+        return ""
+    return f" (bundles are left out by --no-plugins, or {_NO_PLUGINS}=1)"
 
 
 def _is_on(variable: str) -> bool:

@@ -266,6 +266,8 @@ def test_without_plugins_there_is_the_core(good, no_registry_yet, monkeypatch):
     monkeypatch.setenv("MOSEG_NO_PLUGINS", "1")
     monkeypatch.setenv("MOSEG_PLUGINS", "good")
     assert [bundle.name for bundle in registry().bundles] == ["core"]
+    with pytest.raises(UsageError, match=r"left out by --no-plugins, or MOSEG_NO_PLUGINS=1\)$"):
+        registry().find("objective", "narrow")
     registry.cache_clear()
     monkeypatch.setenv("MOSEG_NO_PLUGINS", "yes")
     with pytest.raises(UsageError, match="MOSEG_NO_PLUGINS must be 1 or 0, not 'yes'"):
