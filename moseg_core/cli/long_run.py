@@ -74,14 +74,18 @@ def keeping_checkpoint(flags: CheckpointFlags, path: Path | None, *, quiet: bool
         yield
         return
     with checkpointing(path, resume=flags.resume, every=flags.checkpoint_every) as checkpoint:
-        if checkpoint.known:
-            message(f"going on from {checkpoint.known} answers in {flags.resume}", quiet=quiet)
-        if checkpoint.damaged:
-            message(
-                f"warning: lines of {flags.resume} that are damaged: {checkpoint.damaged}; what"
-                " they knew is computed again",
-                quiet=quiet,
-            )
+
+        def tell() -> None:
+            if checkpoint.known:
+                message(f"going on from {checkpoint.known} answers in {flags.resume}", quiet=quiet)
+            if checkpoint.damaged:
+                message(
+                    f"warning: lines of {flags.resume} that are damaged: {checkpoint.damaged};"
+                    " what they knew is computed again",
+                    quiet=quiet,
+                )
+
+        checkpoint.on_begin = tell  # not of a checkpoint that is refused
         yield
 
 

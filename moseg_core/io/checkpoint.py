@@ -22,7 +22,7 @@ import os
 import stat
 import warnings
 import zlib
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -114,6 +114,8 @@ class Checkpoint:
         How many answers were known when the run began.
     damaged : int
         How many lines were passed over.
+    on_begin : callable, optional
+        Called once, when a run has begun and the file is known to be of that run.
 
     Raises
     ------
@@ -125,6 +127,7 @@ class Checkpoint:
     resume: Path | None = None
     known: int = 0
     damaged: int = 0
+    on_begin: Callable[[], None] | None = None
     _answers: dict[bytes, bytes] = field(default_factory=dict)
     _run: dict[str, Any] | None = None
     _file: IO[bytes] | None = None
@@ -163,6 +166,8 @@ class Checkpoint:
             if not self.path.exists():
                 self._end = self._create(plain)
             self._file = self._opened()
+            if self.on_begin is not None:
+                self.on_begin()
         return self._answers
 
     def write(self, answers: Sequence[bytes]) -> None:

@@ -35,6 +35,7 @@ def test_a_run_is_gone_on_with(moseg, mallet, tmp_path):
     other = moseg(*words, "--seed", "4", "--resume", file)
     assert other.code == 2
     assert other.err.endswith("checkpoint of another run: search seed was 0 and is 4\n")
+    assert "going on" not in other.err
 
 
 def test_one_line_begins_and_goes_on(moseg, mallet, tmp_path):
