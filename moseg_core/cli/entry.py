@@ -70,7 +70,8 @@ def _leave_threads(code: int) -> None:
     ours = threading.main_thread()
     left = [t.name for t in threading.enumerate() if t is not ours and not t.daemon]
     if left:
-        print(f"moseg: warning: threads of components go on: {', '.join(left)}", file=sys.stderr)
+        said = f"warning: threads of components go on: {', '.join(left)}"
+        print(f"moseg: {printable_message(said)}", file=sys.stderr)
         sys.stderr.flush()
         os._exit(code)
 

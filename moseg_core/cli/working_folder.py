@@ -33,5 +33,7 @@ def working_folder_kept() -> Iterator[None]:
     try:
         yield
     finally:
-        os.chdir(folder)
-        os.close(folder)
+        try:
+            os.chdir(folder)
+        finally:
+            os.close(folder)

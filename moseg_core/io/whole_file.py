@@ -164,9 +164,9 @@ def told_of(path: Path) -> Iterator[None]:
     """A context whose errors of the system become moseg's, with the path and where it leads."""
     try:
         yield
-    except (MosegError, BrokenPipeError) as error:
-        if isinstance(error, MosegError):
-            raise
+    except MosegError:
+        raise
+    except BrokenPipeError as error:
         raise MosegError(f"cannot write '{path}': nobody reads it any longer") from error
     except (OSError, ValueError) as error:  # ValueError: a NUL in a name
         place = os.path.realpath(path) if os.path.islink(path) else ""
