@@ -253,7 +253,8 @@ def progress_reporter(*, quiet: bool) -> Iterator[Report]:
     def report(progress: Progress) -> bool:
         nonlocal drawn
         bars.update(preparing, visible=False)
-        if progress.stage not in tasks:
+        is_new = progress.stage not in tasks
+        if is_new:
             before = progress.stage.rpartition(": ")[0]
             for stage, earlier in tasks.items():  # a new stage: those before it are done
                 # Of other levels, or other numbers of parts, there may be more than lines.
@@ -269,7 +270,7 @@ def progress_reporter(*, quiet: bool) -> Iterator[Report]:
             completed=fraction or 0.0,
             cost=best.cost_text(progress),
         )
-        if time.monotonic() - drawn >= _REDRAWN_EVERY:
+        if is_new or time.monotonic() - drawn >= _REDRAWN_EVERY:  # short stages are seen too
             bars.refresh()
             drawn = time.monotonic()
         return False
