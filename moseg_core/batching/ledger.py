@@ -146,7 +146,8 @@ class Ledger:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        self._file.close()
+        with contextlib.suppress(OSError):  # what could not be written has been told of
+            self._file.close()
 
     def add(self, outcome: Outcome) -> None:
         """Add an outcome, unless the job's last line says that there is a result, as there is.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import resource
 
 import pytest
 
@@ -95,6 +96,18 @@ def test_what_is_no_ledger_is_refused(tmp_path, first):
     (tmp_path / NAME).write_bytes(first)
     with pytest.raises(UsageError, match="no ledger that this version reads"):
         read_ledger(tmp_path)
+
+
+def test_a_full_disk_is_told_with_the_name_of_the_ledger(tmp_path):
+    ledger, before = Ledger(tmp_path, resume=False), resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (40, before[1]))
+    try:
+        with pytest.raises(MosegError, match=r"cannot write '.*batch\.jsonl'"), ledger:
+            ledger.add(row("a"))
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    with Ledger(tmp_path, resume=True) as ledger:
+        assert ledger.by_key == {}
 
 
 def test_there_is_one_driver_at_a_time(tmp_path):
