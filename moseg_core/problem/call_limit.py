@@ -93,8 +93,14 @@ class _Limit(AbstractContextManager[None]):
 
     def ring(self, number: int, frame: FrameType | None) -> None:
         """Handle the alarm."""
-        if self._running:
+        # In a frame of this context itself the call has not begun, or is over: an error raised
+        # there would leave the alarm on.
+        own = frame is not None and frame.f_code in _FRAMES
+        if self._running and not own:
             raise CallTimeoutError(self.seconds)
+
+
+_FRAMES = frozenset({_Limit.__enter__.__code__, _Limit.__exit__.__code__})
 
 
 _limit: _Limit | None = None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import signal
 import subprocess
@@ -41,6 +42,16 @@ def test_one_that_catches_everything_is_told_again():
 
     with limiting_calls(0.1), pytest.raises(CallTimeoutError), limited("stubborn"):
         stubborn()
+
+
+def test_an_alarm_between_two_calls_is_nobodys():
+    """A limit that is over when the call begins rings before it, or after it."""
+    with limiting_calls(1e-6):
+        for _ in range(50):
+            with contextlib.suppress(CallTimeoutError), limited("short"):
+                pass
+        time.sleep(0.4)
+        assert signal.getitimer(signal.ITIMER_REAL) == (0.0, 0.0)
 
 
 def test_the_objective_is_named(row):
