@@ -113,8 +113,7 @@ def run_batch_command(
     elif not quiet:
         print_outcomes(result)
     if stop():
-        left = result.total - len(result.outcomes)
-        message(f"{left} of {result.total} shapes are left; go on with --resume", quiet=quiet)
+        message(what_is_left(result, page=limits.report), quiet=quiet)
         raise stop.ended()
     if result.failed:
         raise MosegError(
@@ -233,6 +232,24 @@ def print_outcomes(result: BatchResult) -> None:
     out.print(failures)
     if len(result.failed) > _LISTED:
         out.print(f"and {len(result.failed) - _LISTED} others, in the ledger")
+
+
+def what_is_left(result: BatchResult, *, page: bool) -> str:
+    """What a batch that was stopped has left to do, and how that is done.
+
+    Examples
+    --------
+    >>> what_is_left(BatchResult(folder=Path("out"), total=3), page=False)
+    '3 of 3 shapes are left; go on with --resume'
+    >>> what_is_left(BatchResult(folder=Path("out")), page=True)
+    'all shapes are done, and the page is not; go on with --resume --report'
+    """
+    left = result.total - len(result.outcomes)
+    options = "--resume --report" if page and result.page is None else "--resume"
+    if left:
+        return f"{left} of {result.total} shapes are left; go on with {options}"
+    done = "all shapes are done"
+    return f"{done}, and the page is not; go on with {options}" if "--report" in options else done
 
 
 def counts_text(counts: Mapping[str, int]) -> str:

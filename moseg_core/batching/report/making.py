@@ -106,6 +106,7 @@ def _carry_out(
 ) -> bool:
     """Do the jobs, a few at a time; whether all were done."""
     began, done = time.monotonic(), 0
+    failed: list[Outcome] = []
     left, at_work = iter(jobs), dict[Future[Outcome], Job]()
     try:
         while True:
@@ -117,15 +118,30 @@ def _carry_out(
                 counts={"drawn": done} if done else {},
                 at_work=tuple(job.shape for job in at_work.values()),
                 seconds=time.monotonic() - began,
+                news=tuple(failed),
             )
+            failed = []
             if report(progress):
                 return False
             if not at_work:
                 return True
-            # Whatever went wrong with one of them: its result is there, and has no picture.
             for future in wait(at_work, _REPORT_EVERY, return_when=FIRST_COMPLETED).done:
-                del at_work[future]
                 done += 1
+                failed += _without_picture(at_work.pop(future), future)
     finally:
         for future in at_work:
             future.cancel()
+
+
+def _without_picture(job: Job, future: Future[Outcome]) -> list[Outcome]:
+    """What went wrong with drawing a result, which is there all the same; empty where nothing."""
+    try:
+        outcome = future.result()
+    except Exception as error:  # noqa: BLE001  # whatever kind an executor has for it
+        said = " ".join(str(error).split())[:200] or type(error).__name__
+        outcome = Outcome(shape=job.shape, key=job.key, kind="failed", message=said)
+    if outcome.ok:
+        return []
+    return [
+        replace(outcome, message=f"it has no picture on the page, but a result: {outcome.message}")
+    ]

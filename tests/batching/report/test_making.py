@@ -54,3 +54,23 @@ def test_whoever_stops_meanwhile_has_the_results_and_no_page(shape_folder):
     assert done.counts == {"ok": 1}
     assert done.page is None
     assert not Path("out/report.html").exists()
+
+
+def test_a_result_that_cannot_be_drawn_is_told_and_the_page_made(shape_folder):
+    for name in ("a", "bb"):
+        write_shape(shape_folder, name)
+    given = {"options": OPTIONS, "workers": 1}
+    batch(["models/*.off"], PLAIN, "out", **given)
+    Path("out/a.json").write_text("{")
+    told = []
+    done = batch(
+        *(["models/*.off"], PLAIN, "out"),
+        **given,
+        resume=True,
+        page=True,
+        report=lambda progress: told.extend(o for o in progress.news if not o.ok),
+    )
+    assert [outcome.shape for outcome in told] == ["models/a.off"]
+    assert told[0].message.startswith("it has no picture on the page, but a result: ")
+    assert done.counts == {"ok": 2}
+    assert 'src="report/bb.png"' in done.page.read_text()
