@@ -310,12 +310,14 @@ class _Run:
         self._at_work: dict[Future[Outcome], Job] = {}
         self._hand_outs: dict[str, int] = {}
         self._news: list[Outcome] = []
+        self._told = self._began
 
     def carry_out(
         self, jobs: Iterator[Job], pool: Executor, most: int, *, retry_failed: bool
     ) -> None:
         """Hand out jobs, `most` at a time, until all are done or somebody asks to stop."""
         again: list[Job] = []
+        self._report_and_heed()
         try:
             while True:
                 while not self.stopped and len(self._at_work) < most:
@@ -324,6 +326,8 @@ class _Run:
                         break
                     self.jobs[job.shape] = job
                     if self._is_done(job, retry_failed=retry_failed):
+                        if time.monotonic() - self._told >= _REPORT_EVERY:
+                            self._report_and_heed()
                         continue
                     self._at_work[pool.submit(run_job, job)] = job
                 if not self._at_work:
@@ -332,11 +336,7 @@ class _Run:
                 done, _ = wait(self._at_work, _REPORT_EVERY, return_when=FIRST_COMPLETED)
                 for future in done:
                     again += self._finished(future)
-                if self._tell() and not self.stopped:
-                    self.stopped = True
-                    for future in list(self._at_work):
-                        if future.cancel():
-                            del self._at_work[future]
+                self._report_and_heed()
         finally:
             for future in self._at_work:
                 future.cancel()
@@ -391,6 +391,14 @@ class _Run:
         self._counts[outcome.kind] = self._counts.get(outcome.kind, 0) + 1
         return []
 
+    def _report_and_heed(self) -> None:
+        """Report; asked to stop, take back what was handed out and not begun."""
+        if self._tell() and not self.stopped:
+            self.stopped = True
+            for future in list(self._at_work):
+                if future.cancel():
+                    del self._at_work[future]
+
     def _tell(self) -> bool:
         """Report, and whether to stop."""
         progress = BatchProgress(
@@ -401,7 +409,7 @@ class _Run:
             seconds=time.monotonic() - self._began,
             news=tuple(self._news),
         )
-        self._news = []
+        self._news, self._told = [], time.monotonic()
         return bool(self._report(progress))
 
 

@@ -20,6 +20,7 @@ from moseg_core.batching.ledger import NAME, read_ledger
 from moseg_core.batching.outcome import Outcome
 from moseg_core.cli import main
 from moseg_core.errors import UsageError
+from moseg_core.problem.statement import Statement
 from tests.batching import planted
 from tests.batching.planted import OPTIONS, STATEMENT, WORDS, expected, write_shape
 
@@ -184,6 +185,14 @@ def test_other_versions_over_there_end_the_batch(shape_folder):
 
     with Other(refuse, 0) as pool, pytest.raises(UsageError, match=r"numpy is 2\.1 here"):
         plain(["models/*.off"], PLAIN, "out", executor=pool)
+    assert read_ledger(Path("out")) == []
+
+
+def test_who_is_told_to_stop_before_the_first_shape_begins_none(shape_folder):
+    write_shape(shape_folder, "a")
+    given = (["models/*.off"], Statement(labels=("a", "b"), minimize="narrow(a)"), "out")
+    done = batch(*given, workers=1, report=lambda progress: True)
+    assert (done.stopped, done.total, dict(done.outcomes)) == (True, 1, {})
     assert read_ledger(Path("out")) == []
 
 

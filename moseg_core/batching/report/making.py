@@ -104,13 +104,17 @@ def _described(job: Job) -> Description | None:
 def _carry_out(
     jobs: Sequence[Job], pool: Executor, most: int, report: Callable[[BatchProgress], bool]
 ) -> bool:
-    """Do the jobs, a few at a time; whether all were done."""
+    """Do the jobs, a few at a time; whether all were done.
+
+    Asked to stop, those at work are finished.
+    """
     began, done = time.monotonic(), 0
     failed: list[Outcome] = []
+    stopped = False
     left, at_work = iter(jobs), dict[Future[Outcome], Job]()
     try:
         while True:
-            while len(at_work) < most and (job := next(left, None)) is not None:
+            while not stopped and len(at_work) < most and (job := next(left, None)) is not None:
                 at_work[pool.submit(run_job, job)] = job
             progress = BatchProgress(
                 total=len(jobs),
@@ -121,10 +125,11 @@ def _carry_out(
                 news=tuple(failed),
             )
             failed = []
-            if report(progress):
-                return False
+            if report(progress) and not stopped:
+                stopped = True
+                at_work = {f: job for f, job in at_work.items() if not f.cancel()}
             if not at_work:
-                return True
+                return not stopped
             for future in wait(at_work, _REPORT_EVERY, return_when=FIRST_COMPLETED).done:
                 done += 1
                 failed += _without_picture(at_work.pop(future), future)
