@@ -311,12 +311,14 @@ class _Run:
         self._hand_outs: dict[str, int] = {}
         self._news: list[Outcome] = []
         self._told = self._began
+        self._side_by_side = 0
 
     def carry_out(
         self, jobs: Iterator[Job], pool: Executor, most: int, *, retry_failed: bool
     ) -> None:
         """Hand out jobs, `most` at a time, until all are done or somebody asks to stop."""
         again: list[Job] = []
+        self._side_by_side = most // (1 + _WAITING)
         self._report_and_heed()
         try:
             while True:
@@ -395,7 +397,9 @@ class _Run:
         """Report; asked to stop, take back what was handed out and not begun."""
         if self._tell() and not self.stopped:
             self.stopped = True
-            for future in list(self._at_work):
+            # Not all executors know what is under way, and those of a cluster would give that up
+            # too: the first handed out are.
+            for future in list(self._at_work)[self._side_by_side :]:
                 if future.cancel():
                     del self._at_work[future]
 

@@ -20,7 +20,6 @@ from moseg_core.batching.ledger import NAME, read_ledger
 from moseg_core.batching.outcome import Outcome
 from moseg_core.cli import main
 from moseg_core.errors import UsageError
-from moseg_core.problem.statement import Statement
 from tests.batching import planted
 from tests.batching.planted import OPTIONS, STATEMENT, WORDS, expected, write_shape
 
@@ -190,8 +189,7 @@ def test_other_versions_over_there_end_the_batch(shape_folder):
 
 def test_who_is_told_to_stop_before_the_first_shape_begins_none(shape_folder):
     write_shape(shape_folder, "a")
-    given = (["models/*.off"], Statement(labels=("a", "b"), minimize="narrow(a)"), "out")
-    done = batch(*given, workers=1, report=lambda progress: True)
+    done = plain(["models/*.off"], PLAIN, "out", report=lambda progress: True)
     assert (done.stopped, done.total, dict(done.outcomes)) == (True, 1, {})
     assert read_ledger(Path("out")) == []
 
@@ -220,6 +218,30 @@ def test_few_jobs_are_under_way_and_stopping_begins_no_others(shape_folder):
         whole = plain(["models/*.off"], PLAIN, "out", executor=pool, resume=True)
     assert len(whole.outcomes) == 20
     assert len(pool.jobs) == 20 - len(done.outcomes)
+
+
+def test_those_at_work_are_finished_where_an_executor_does_not_know_them(shape_folder):
+    for name in "abcdef":
+        write_shape(shape_folder, name)
+
+    class Unaware(Unreliable):
+        """Its futures can be cancelled until they are done, as those of Dask."""
+
+        def submit(self, function, job):
+            self.jobs.append((job, Future()))
+            return self.jobs[-1][1]
+
+    def report(progress):
+        if len(progress.at_work) == 2:  # of four that were handed out
+            for job, future in pool.jobs:
+                if not future.done():
+                    future.set_result(sound(job))
+        return len(progress.at_work) > 0
+
+    with Unaware(sound, 0) as pool:
+        done = plain(["models/*.off"], PLAIN, "out", executor=pool, workers=2, report=report)
+    assert [Path(shape).name for shape in done.outcomes] == ["a.off", "b.off"]
+    assert len(pool.jobs) == 4
 
 
 @pytest.mark.parametrize(
