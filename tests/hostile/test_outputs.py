@@ -112,14 +112,14 @@ def bad_bundle(site):
     ("output", "code", "says"),
     [
         ("/proc/a.glb", 1, "'/proc/a.glb': No such file or directory"),
-        ("n" * 251 + ".json", 1, "File name too long"),
-        ("nul\0.json", 1, "embedded null byte"),
+        ("n" * 251 + ".json", 2, "File name too long"),
+        ("nul\0.json", 2, "embedded null byte"),
         ("taken.json", 2, "it is a folder"),
         ("nowhere/a.json", 2, "there is no folder 'nowhere'"),
         ("box.off/a.json", 2, "there is no folder 'box.off'"),
         ("circle.json", 1, "a link to"),
         ("dangling.json", 1, "a link to"),
-        ("n" * 250 + "{part}.obj", 1, "File name too long"),
+        ("n" * 250 + "{part}.obj", 2, "File name too long"),
     ],
 )
 def test_a_place_that_takes_no_file_is_told_before_the_search(
