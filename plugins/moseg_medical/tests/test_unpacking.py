@@ -203,6 +203,7 @@ def test_good_masks_of_200_cells_along_each_side_are_read(tmp_path):
         (gzip.compress(b"1234567" + CUBE.tobytes()), "byte skip: -1\n"),
         (b"one\ntwo\n" + gzip.compress(CUBE.tobytes()), "line skip: 2\n"),
     ],
+    ids=["bytes", "all but the values", "lines"],
 )
 def test_what_is_to_be_skipped_before_packed_values(tmp_path, values, more):
     (tmp_path / "x.nrrd").write_bytes(nrrd(values, encoding="gzip", more=more))
