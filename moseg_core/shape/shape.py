@@ -408,7 +408,8 @@ class Shape(ShapeData):
             return self
         turned = copy(self)  # what a grid has not made yet is not made for this
         for known in set(vars(self)) - {each.name for each in fields(self)}:
-            del vars(turned)[known]  # what was found out of the shape may depend on it
+            # What was found out of the shape may depend on it; some of it a copy has not.
+            vars(turned).pop(known, None)
         object.__setattr__(turned, "up", axis)
         return turned
 
