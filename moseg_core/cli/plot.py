@@ -22,11 +22,5 @@ def run_plot(source: Path, out: Path) -> None:
     check_distinct([out], read=[source], what="the chart")
     saved = read_result(source)
     title = f"{saved.shape.get('name', source.stem)}, cost {saved.evaluation.cost.value:.4g}"
-    try:
-        chart = render_convergence(saved.history, format=format, title=title)
-    except (AttributeError, TypeError, ValueError) as error:
-        raise UsageError(
-            f"'{source}' has a damaged history ({type(error).__name__}: {error}); make it anew"
-        ) from error
-    write_file(out, chart)
+    write_file(out, render_convergence(saved.history, format=format, title=title))
     message(f"wrote {out}")

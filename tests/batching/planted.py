@@ -60,6 +60,7 @@ def planted(part: moseg_core.Part) -> float:
     if name.startswith("noise"):
         print("noise" * 1000)
         os.write(1, b"more")
+    if name.startswith("moves"):
         os.chdir("/")
     if name.startswith("aged") and len(SEEN) > 1:
         raise ValueError("only in a fresh process")
@@ -76,6 +77,7 @@ HARM = {
     "hog": "out of memory",
     "huge": "out of memory",
     "liar": "plugin error",
+    "moves": "plugin error",
     "raise": "plugin error",
     "leave": "plugin error",
     "vanish": "crashed",

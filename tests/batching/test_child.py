@@ -21,7 +21,14 @@ def keep_state(tmp_path, monkeypatch):
 
 
 def request(folder):
-    return {"here": str(folder), "seed": 3, "shape": "a", "outputs": [], "instructions": "{}"}
+    return {
+        "task": "solve",
+        "here": str(folder),
+        "seed": 3,
+        "shape": "a",
+        "outputs": [],
+        "instructions": "{}",
+    }
 
 
 def test_each_job_begins_in_the_same_state(keep_state, tmp_path):

@@ -20,6 +20,7 @@ def ask(planted_bundle, tmp_path):
 
     def do(child, name, *, timeout=120.0, memory=None):
         request = {
+            "task": "solve",
             "shape": str(write_shape(tmp_path, name)),
             "here": str(tmp_path),
             "outputs": [str(tmp_path / f"{name}.json")],

@@ -69,5 +69,5 @@ def test_a_damaged_history(moseg, segmented, tmp_path, history):
     damaged.write_text(json.dumps(document))
     run = moseg("plot", damaged, "-o", tmp_path / "x.svg")
     assert run.code == 2
-    assert "has a damaged history" in run.err
+    assert "is a damaged result ('history" in run.err
     assert not (tmp_path / "x.svg").exists()
