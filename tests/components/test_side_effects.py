@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from moseg_core.components import side_effects
 from moseg_core.components.side_effects import EndedProcessError, own_program, without_side_effects
 from moseg_core.errors import PluginError
 
@@ -20,6 +21,12 @@ WHO = "seeder 'mine:far' of mine 1.0"
 def who(request):
     """A name of its own for each test: how closely is looked depends on earlier calls."""
     return f"{WHO} in {request.node.name}"
+
+
+@pytest.fixture
+def alone(monkeypatch):
+    """As if no other threads ran: a library of an earlier test may keep some."""
+    monkeypatch.setattr(side_effects, "_alone", lambda: True)
 
 
 def call(who, does):
@@ -36,7 +43,7 @@ def call(who, does):
     ],
     ids=["chdir", "seed", "signal"],
 )
-def test_what_is_changed_is_named_and_undone(who, does, what):
+def test_what_is_changed_is_named_and_undone(alone, who, does, what):
     here, state = Path.cwd(), random.getstate()
     with pytest.raises(PluginError, match=f"mine:far.* changed {what}.*report it"):
         call(who, does)
@@ -44,7 +51,7 @@ def test_what_is_changed_is_named_and_undone(who, does, what):
     assert signal.getsignal(signal.SIGUSR2) == signal.SIG_DFL
 
 
-def test_the_directory_is_looked_at_with_each_call_and_the_rest_now_and_then(who):
+def test_the_directory_is_looked_at_with_each_call_and_the_rest_now_and_then(alone, who):
     for _ in range(4):
         call(who, lambda: None)
     state = random.getstate()
@@ -60,7 +67,7 @@ def test_drawing_is_no_fault(who):
     call(who, random.random)
 
 
-def test_an_error_of_the_call_comes_first_and_the_change_is_undone(who):
+def test_an_error_of_the_call_comes_first_and_the_change_is_undone(alone, who):
     def fail():
         os.chdir("/")
         raise ZeroDivisionError
