@@ -150,5 +150,5 @@ def test_options_that_there_are_not_are_named():
 def test_a_start_that_is_none_is_named():
     shape = load(sample_path("hammer"))
     for wrong in ("x", [[0, 0, 0]]):
-        with pytest.raises(UsageError, match="the start must be Centers or a Result, not"):
+        with pytest.raises(UsageError, match="the start must be Centers, a Result or an Alignment"):
             segment(shape, Problem(["a"], "narrow(a)"), start=wrong)
