@@ -116,7 +116,7 @@ def thinned(steps: Sequence[_S], most: int) -> list[_S]:
     --------
     >>> steps = [Improvement("search", n, Cost(0, 1 / n), np.zeros(1)) for n in range(1, 65)]
     >>> [step.evaluations for step in thinned(steps, 7)]
-    [1, 2, 4, 8, 16, 31, 64]
+    [1, 2, 3, 6, 12, 24, 64]
     """
     kept = list(steps)
     while len(kept) > most:

@@ -36,7 +36,7 @@ VALUES = st.integers(-9, 9).map(float) | WORDS | st.booleans() | st.none() | TAR
 TABLES = st.recursive(
     st.dictionaries(
         WORDS.filter(bool),
-        st.integers()
+        st.integers(-(2**63), 2**63 - 1)
         | st.floats(allow_nan=False, allow_infinity=False)
         | st.booleans()
         | TARGETS
