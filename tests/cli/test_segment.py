@@ -174,6 +174,7 @@ def test_an_open_mesh_is_refused_for_convex_parts(moseg, open_box, tmp_path):
     assert "encloses no volume" in fine.err
 
 
+@pytest.mark.slow
 def test_bytes_do_not_depend_on_the_process(mallet, tmp_path):
     """Two processes with different hash seeds write the same bytes, in every format."""
     suffixes = ("json", "seg", "ply", "glb", "png", "svg")

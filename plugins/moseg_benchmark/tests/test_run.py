@@ -228,6 +228,7 @@ def test_an_interrupted_run_ends_at_once_and_what_was_done_is_kept(psb, tmp_path
     assert (tmp_path / "r" / "cases" / "21-people-0.json").is_file()
 
 
+@pytest.mark.slow
 def test_recipes_are_learned_from_the_others(members, learner, tmp_path, capsys, monkeypatch):
     data, out = tmp_path / "data", tmp_path / "r"
     shutil.copytree(members, data)
