@@ -132,7 +132,7 @@ from moseg_core.shape.shape import Shape as Shape
 from moseg_core.shape.volume.capped import capped_volume as capped_volume
 from moseg_core.shape.volume.volume import Volume as Volume
 from moseg_core.shape.voxels import VoxelGrid as VoxelGrid
-from moseg_core.terminal import printable as printable
+from moseg_core.untrusted.terminal import printable as printable
 from moseg_core.view.palette import part_colors as part_colors
 from moseg_core.view.picture import render_picture as render_picture
 

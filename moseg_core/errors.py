@@ -20,7 +20,7 @@ import difflib
 from collections.abc import Iterable
 from typing import Any, ClassVar
 
-from moseg_core.terminal import escaped, printable
+from moseg_core.untrusted.terminal import escaped, printable
 
 
 class MosegError(Exception):

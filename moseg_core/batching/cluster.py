@@ -68,9 +68,11 @@ def cluster_executor(address: str) -> Iterator[tuple[Executor, int]]:
                 f"the cluster at '{address}' has no workers; start some: dask worker {address}"
             )
         _check_versions(client.run(own_versions, on_error="return"))
+        executor = client.get_executor(pure=False)
         try:
-            yield client.get_executor(pure=False), sum(threads.values())
+            yield executor, sum(threads.values())
         finally:
+            executor.shutdown(wait=False)  # or what waits there would start children anew
             client.run(end_children, on_error="ignore")
 
 

@@ -14,18 +14,12 @@ import os
 import threading
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import (
-    FIRST_COMPLETED,
-    CancelledError,
-    Executor,
-    Future,
-    ThreadPoolExecutor,
-    wait,
-)
+from concurrent.futures import CancelledError, Executor, Future, ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from moseg_core.batching.handing_out import REPORT_EVERY, HandedOut
 from moseg_core.batching.instructions import EarlierResult, Instructions
 from moseg_core.batching.jobs import (
     PLACE,
@@ -39,7 +33,7 @@ from moseg_core.batching.ledger import Ledger
 from moseg_core.batching.leftovers import take_away_leftovers
 from moseg_core.batching.outcome import BatchProgress, BatchResult, Outcome
 from moseg_core.batching.report.making import describing_job, make_page
-from moseg_core.batching.running import EndedError, close_children, forget_children, run_job
+from moseg_core.batching.running import EndedError, close_children, forget_children
 from moseg_core.batching.versions import own_versions
 from moseg_core.errors import MosegError, UsageError
 from moseg_core.io.files import check_form
@@ -53,10 +47,6 @@ from moseg_core.shape.row_threads import available_processors
 BatchReport = Callable[[BatchProgress], bool]
 """Receives progress; ends the batch, when what is under way is done, by returning True."""
 
-#: Jobs that wait with the executor for each worker, so that none is idle while the driver writes.
-_WAITING = 1
-#: Seconds between two reports while nothing happens.
-_REPORT_EVERY = 0.2
 #: How often a job is handed out whose worker is lost with it.
 _MOST_HAND_OUTS = 4
 #: Bytes below which no process of moseg starts.
@@ -253,13 +243,19 @@ def run_batch(
         if made:
             folder.rmdir()
         raise
-    most = (1 + _WAITING) * count
     with Ledger(folder, resume=resume) as ledger:
         take_away_leftovers(folder, templates, names)
         jobs = _jobs(paths, names, instructions, folder, templates, limits)
-        run = _Run(ledger=ledger, folder=folder, total=len(paths), report=report)
         with _executor(executor, count) as pool:
-            run.carry_out(jobs, pool, most, retry_failed=retry_failed)
+            handed_out = HandedOut(pool, count)
+            run = _Run(
+                ledger=ledger,
+                folder=folder,
+                total=len(paths),
+                handed_out=handed_out,
+                report=report,
+            )
+            run.carry_out(jobs, retry_failed=retry_failed)
             outcomes = {path: run.outcomes[path] for path in paths if path in run.outcomes}
             result = BatchResult(
                 folder=folder, outcomes=outcomes, total=len(paths), stopped=run.stopped
@@ -267,11 +263,11 @@ def run_batch(
             if page and not run.stopped:
                 name_of = dict(zip(paths, names, strict=True))
                 drawn = {
-                    shape: describing_job(run.jobs[shape], outcome, name_of[shape])
+                    shape: describing_job(run.jobs[shape], name_of[shape])
                     for shape, outcome in outcomes.items()
                     if outcome.ok
                 }
-                result = replace(result, page=make_page(result, drawn, pool, most, report))
+                result = replace(result, page=make_page(result, drawn, handed_out, report))
     return result
 
 
@@ -299,7 +295,15 @@ def make_folder(folder: Path) -> bool:
 class _Run:
     """A batch under way."""
 
-    def __init__(self, *, ledger: Ledger, folder: Path, total: int, report: BatchReport) -> None:
+    def __init__(
+        self,
+        *,
+        ledger: Ledger,
+        folder: Path,
+        total: int,
+        handed_out: HandedOut,
+        report: BatchReport,
+    ) -> None:
         self.outcomes: dict[str, Outcome] = {}
         self.jobs: dict[str, Job] = {}
         self.stopped = False
@@ -307,41 +311,32 @@ class _Run:
         self._counts: dict[str, int] = {}
         self._kept = 0
         self._began = time.monotonic()
-        self._at_work: dict[Future[Outcome], Job] = {}
+        self._handed_out = handed_out
         self._hand_outs: dict[str, int] = {}
         self._news: list[Outcome] = []
         self._told = self._began
-        self._side_by_side = 0
 
-    def carry_out(
-        self, jobs: Iterator[Job], pool: Executor, most: int, *, retry_failed: bool
-    ) -> None:
-        """Hand out jobs, `most` at a time, until all are done or somebody asks to stop."""
+    def carry_out(self, jobs: Iterator[Job], *, retry_failed: bool) -> None:
+        """Hand out jobs until all are done or somebody asks to stop."""
         again: list[Job] = []
-        self._side_by_side = most // (1 + _WAITING)
         self._report_and_heed()
-        try:
+        with self._handed_out:
             while True:
-                while not self.stopped and len(self._at_work) < most:
+                while not self.stopped and self._handed_out.has_room:
                     job = again.pop() if again else next(jobs, None)
                     if job is None:
                         break
                     self.jobs[job.shape] = job
-                    if self._is_done(job, retry_failed=retry_failed):
-                        if time.monotonic() - self._told >= _REPORT_EVERY:
-                            self._report_and_heed()
-                        continue
-                    self._at_work[pool.submit(run_job, job)] = job
-                if not self._at_work:
+                    if not self._is_done(job, retry_failed=retry_failed):
+                        self._handed_out.add(job)
+                    elif time.monotonic() - self._told >= REPORT_EVERY:
+                        self._report_and_heed()
+                if not self._handed_out:
                     self._tell()
                     return
-                done, _ = wait(self._at_work, _REPORT_EVERY, return_when=FIRST_COMPLETED)
-                for future in done:
-                    again += self._finished(future)
+                for job, future in self._handed_out.take_done():
+                    again += self._finished(job, future)
                 self._report_and_heed()
-        finally:
-            for future in self._at_work:
-                future.cancel()
 
     def _is_done(self, job: Job, *, retry_failed: bool) -> bool:
         """Whether there is nothing to do for a job, because an earlier run has done it."""
@@ -358,9 +353,8 @@ class _Run:
             self._news.append(before)
         return bool(kept)
 
-    def _finished(self, future: Future[Outcome]) -> list[Job]:
+    def _finished(self, job: Job, future: Future[Outcome]) -> list[Job]:
         """Write down what a job came to; jobs that are to be handed out once more."""
-        job = self._at_work.pop(future)
         try:
             outcome = future.result()
         except UsageError:  # of all jobs: other versions over there
@@ -397,11 +391,7 @@ class _Run:
         """Report; asked to stop, take back what was handed out and not begun."""
         if self._tell() and not self.stopped:
             self.stopped = True
-            # Not all executors know what is under way, and those of a cluster would give that up
-            # too: the first handed out are.
-            for future in list(self._at_work)[self._side_by_side :]:
-                if future.cancel():
-                    del self._at_work[future]
+            self._handed_out.take_back()
 
     def _tell(self) -> bool:
         """Report, and whether to stop."""
@@ -409,7 +399,7 @@ class _Run:
             total=self._total,
             kept=self._kept,
             counts=dict(self._counts),
-            at_work=tuple(job.shape for job in self._at_work.values()),
+            at_work=self._handed_out.shapes,
             seconds=time.monotonic() - self._began,
             news=tuple(self._news),
         )

@@ -28,13 +28,12 @@ from moseg_core.problem.label_sets import LabelSet
 from moseg_core.problem.settings import CHOSEN_KINDS, SearchOptions
 from moseg_core.problem.statement import Statement
 from moseg_core.problem.variants import Variants
-from moseg_core.regular_file import read_regular_file
 from moseg_core.search.alignment import Template
-from moseg_core.search.clipped_result import check_components
+from moseg_core.search.clipped_result import check_clipping
 from moseg_core.search.levels import check_hierarchy
 from moseg_core.search.number_of_parts import numbers_to_try
-from moseg_core.search.segment import prepare_components
 from moseg_core.search.variants import check_variants
+from moseg_core.untrusted.regular_file import read_regular_file
 
 #: What JSON says as it is, as far as parameters are made of it.
 _JSON = (str, int, float, list)
@@ -230,12 +229,8 @@ class Instructions:
         else:
             for task in tasks:
                 check_hierarchy(task, self.options)
-        if not self.clip:
-            return
-        for task in tasks:
-            check_components(prepare_components(task.problem, self.options.settled(task.search)))
-            if task.children:
-                raise UsageError("boundaries can be clipped for results of one level only, so far")
+        if self.clip:
+            check_clipping(tasks, self.options)
 
     def components(self) -> dict[str, str]:
         """Ids of the components that take part, each with the distribution that it is of."""

@@ -16,7 +16,6 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import contextmanager
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -40,7 +39,13 @@ from moseg_core.cli.flags import (
 )
 from moseg_core.cli.interrupt import stop_on_interrupt
 from moseg_core.cli.reading import reading_of
-from moseg_core.cli.request import read_search, read_start, read_statement, read_variants
+from moseg_core.cli.request import (
+    partitioned_as,
+    read_search,
+    read_start,
+    read_statement,
+    read_variants,
+)
 from moseg_core.components.discovery.registry import registry
 from moseg_core.errors import MosegError, UsageError
 from moseg_core.io.part_files import PartForm
@@ -181,9 +186,8 @@ def read_instructions(
         As for :func:`moseg_core.cli.request.read_variants`.
     """
     earlier, options = read_start(limits.start_from), read_search(search, SteeringFlags())
-    if earlier is not None and problem_flags.recipe is None and options.parameterization is None:
-        # Its centres are those of its own parameterization.
-        options = replace(options, parameterization=earlier.search().parameterization)
+    if problem_flags.recipe is None:
+        options = partitioned_as(earlier, options)
     more: dict[str, Any] = {
         "options": options,
         "reading": reading_of(reading),

@@ -1,8 +1,8 @@
 """Printing: tables on stdout, messages and progress on stderr.
 
-Whatever is printed goes through :mod:`moseg_core.terminal`, so that no text from a file steers the
-terminal, and none is read as rich's markup: the other modules of the command line take their tables
-and cells from here and make no consoles of their own.
+Whatever is printed goes through :mod:`moseg_core.untrusted.terminal`, so that no text from a file
+steers the terminal, and none is read as rich's markup: the other modules of the command line take
+their tables and cells from here and make no consoles of their own.
 
 Colour and progress bars appear on a terminal only, elsewhere a line every 30 s; rich honours
 ``NO_COLOR``. Both come from whoever reports, not from a thread: a search forks worker processes,
@@ -31,7 +31,7 @@ from moseg_core.components.cost import Cost
 from moseg_core.components.protocols import Progress, Report
 from moseg_core.problem.aggregate import Evaluation
 from moseg_core.shape.compiled import telling_of_compilation
-from moseg_core.terminal import printable, printable_json, printable_message
+from moseg_core.untrusted.terminal import printable, printable_json, printable_message
 
 _WIDTH_OFF_TERMINAL = 120
 #: Seconds between two drawings of the progress bars.

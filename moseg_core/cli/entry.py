@@ -12,7 +12,7 @@ from moseg_core.cli.overview import overview_of
 from moseg_core.cli.streams import prepare_streams, show_warnings
 from moseg_core.cli.waiting import waiting
 from moseg_core.errors import MosegError, Terminated, UsageError
-from moseg_core.terminal import printable_message
+from moseg_core.untrusted.terminal import printable_message
 
 #: Commands that import so much that a terminal is told at once that something goes on.
 _SLOW_TO_START = (
@@ -144,9 +144,9 @@ def _obey(arguments: Sequence[str], *, own: bool) -> None:
 def _tell_of_printing(who: str, text: str) -> None:
     """Say that a component prints, which is left out."""
     from moseg_core.cli.console import message
-    from moseg_core.components.faults import shown
+    from moseg_core.components.faults import safe_repr
 
-    message(f"warning: {who} prints on standard output: {shown(text.strip())}; left out")
+    message(f"warning: {who} prints on standard output: {safe_repr(text.strip())}; left out")
 
 
 def _quiet(who: str, text: str) -> None:

@@ -38,7 +38,7 @@ from moseg_core.io.byte_names import readable
 from moseg_core.io.files import files_of, instead_of, write_files
 from moseg_core.io.labels.reading import bearing_suffixes
 from moseg_core.io.read.limits import ReadLimits
-from moseg_core.io.result_loading import check_shape, find_shape
+from moseg_core.io.result_loading import check_shape, find_shape, measure_saved
 from moseg_core.io.whole_file import check_destination
 from moseg_core.problem.settings import SearchOptions
 from moseg_core.problem.statement import Statement
@@ -49,7 +49,7 @@ from moseg_core.search.part_table import Cell, PartTable, shown
 from moseg_core.search.result import Result
 from moseg_core.search.variants import check_variants, solve_variants
 from moseg_core.shape.shape import Shape
-from moseg_core.terminal import printable_json
+from moseg_core.untrusted.terminal import printable_json
 
 FORMATS = (".csv", ".tsv", ".json")
 #: Of a table on the terminal: what there is room for.
@@ -290,17 +290,11 @@ def _files(word: str, finder: Finder | None) -> tuple[Path, Path | None]:
 
 
 def _of_result(path: Path, reading: ShapeFlags, folders: Sequence[Path]) -> PartTable:
-    """The parts of a saved result; its problem is not looked at, nor what that needs."""
+    """The parts of a saved result."""
     saved = read_result(path)
     shape = find_shape(saved, path, folders=folders, read=lambda file: read_shape(file, reading))
     check_shape(saved, path, shape)
-    return measure_parts(
-        Segmentation.from_labels(shape, saved.labels, len(saved.names)),
-        saved.names,
-        source=registry(),
-        evaluation=saved.evaluation,
-        centers=saved.centers,
-    )
+    return measure_saved(saved, shape)
 
 
 def _of_labels(

@@ -13,7 +13,7 @@ from rich.console import Console
 from rich.text import Text
 
 from moseg_core.components.discovery.registry import Bundle, registry
-from moseg_core.terminal import printable, printable_json
+from moseg_core.untrusted.terminal import printable, printable_json
 
 _WIDTH_OFF_TERMINAL = 120
 #: Characters that a summary has on a line at least, however narrow the terminal.

@@ -178,6 +178,16 @@ def read_start(path: Path | None) -> SavedResult | None:
     return found
 
 
+def partitioned_as(earlier: SavedResult | None, options: SearchOptions) -> SearchOptions:
+    """The options with the parameterization of an earlier result, whose centres are its centres.
+
+    The same where there is none, or the options say which.
+    """
+    if earlier is None or options.parameterization is not None:
+        return options
+    return replace(options, parameterization=earlier.search().parameterization)
+
+
 def centered(text: str) -> list[str]:
     """The labels that ``--centers`` names.
 

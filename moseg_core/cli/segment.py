@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
@@ -26,6 +26,7 @@ from moseg_core.cli.long_run import checkpoint_path, how_to_go_on, keeping_check
 from moseg_core.cli.reading import read_shape
 from moseg_core.cli.request import (
     centered,
+    partitioned_as,
     read_pins,
     read_search,
     read_start,
@@ -52,11 +53,11 @@ from moseg_core.problem.slow_calls import naming_slow_calls
 from moseg_core.problem.statement import SEPARATOR, Statement
 from moseg_core.problem.variants import Variants
 from moseg_core.search.alignment import Alignment, Template, align
-from moseg_core.search.clipped_result import check_components, clip
+from moseg_core.search.clipped_result import check_clipping, clip
 from moseg_core.search.number_of_parts import solve_parts
 from moseg_core.search.pieces import searched_part
 from moseg_core.search.result import Result
-from moseg_core.search.segment import check_frozen, matched_centers, prepare_components
+from moseg_core.search.segment import check_frozen, matched_centers
 from moseg_core.search.variants import check_variants, solve_variants, tried_sets
 from moseg_core.shape.shape import Shape
 
@@ -204,12 +205,11 @@ def _asked(
     if len(variants.tasks) > 1:
         variants = _steered(variants, steering, earlier, [*pinned, *frozen])
     options = read_search(search, steering)
-    if earlier is not None and problem_flags.recipe is None and options.parameterization is None:
-        # Its centres are those of its own parameterization.
-        options = replace(options, parameterization=earlier.search().parameterization)
+    if problem_flags.recipe is None:
+        options = partitioned_as(earlier, options)
     check_variants(variants, options)
     if clipped:
-        _check_clipping(variants, options)
+        check_clipping(variants.tasks, options)
     problem, start, template, parts = _smallest(variants), None, None, None
     if earlier is not None:
         embedding = earlier.statement.embedding
@@ -230,14 +230,6 @@ def _asked(
         start=start,
         template=template,
     )
-
-
-def _check_clipping(variants: Variants, options: SearchOptions) -> None:
-    """Refuse problems whose results cannot be clipped."""
-    for each in variants.tasks:
-        check_components(prepare_components(each.problem, options.settled(each.search)))
-        if each.children:
-            raise UsageError("boundaries can be clipped for results of one level only, so far")
 
 
 def _readable(path: Path, task: _Task, reading: ShapeFlags, *, clipped: bool, quiet: bool) -> Shape:

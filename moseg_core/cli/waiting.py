@@ -15,7 +15,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from moseg_core.terminal import printable
+from moseg_core.untrusted.terminal import printable
 
 #: Back to the first column, and wipe what stands there.
 _WIPE = "\r\x1b[2K"

@@ -127,17 +127,17 @@ def summary(error: BaseException) -> str:
     return f"{type(error).__name__}: {text}" if text else type(error).__name__
 
 
-def shown(value: object, *, most: int = 80) -> str:
+def safe_repr(value: object, *, most: int = 80) -> str:
     """A stranger's object as a message shows it, whatever it does when it is asked.
 
     Examples
     --------
-    >>> shown("narrow"), shown([1] * 100, most=8)
+    >>> safe_repr("narrow"), safe_repr([1] * 100, most=8)
     ("'narrow'", '[1, 1...')
     >>> class Shy:
     ...     def __repr__(self):
     ...         raise RuntimeError("no")
-    >>> shown(Shy())
+    >>> safe_repr(Shy())
     'a Shy, which cannot be shown'
     """
     try:

@@ -23,9 +23,9 @@ from moseg_core.io.part_files import PartForm, check_part_files, is_for_parts, p
 from moseg_core.io.read.limits import LIMITS, ReadLimits
 from moseg_core.io.whole_file import check_destination, told_of, write_file
 from moseg_core.io.write.part_meshes import PART_SUFFIXES
-from moseg_core.regular_file import refuse_irregular
 from moseg_core.search.result import Result
 from moseg_core.shape.shape import Shape
+from moseg_core.untrusted.regular_file import refuse_irregular
 
 #: Characters that lead elsewhere on some system, or into no file: drives, streams, other slashes.
 _NOT_IN_NAMES = {"\\", ":", *map(chr, range(32))}

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from moseg_core.regular_file import read_regular_file
+from moseg_core.untrusted.regular_file import read_regular_file
 
 MOST_BYTES = 2**28
 """Bytes of a JSON file; a labelling of ten million elements has a fifth of it."""
@@ -32,7 +32,7 @@ def read_json_file(path: Path) -> Any:
     Raises
     ------
     OSError
-        It cannot be read, is no regular file, or too large (:mod:`moseg_core.regular_file`).
+        It cannot be read, is no regular file, or too large.
     ValueError
         It is not JSON, or nested too deep; says what is wrong.
     """

@@ -35,8 +35,8 @@ from moseg_core.problem.statement import (
 )
 from moseg_core.search.incumbents import Incumbent
 from moseg_core.search.result import Result
-from moseg_core.terminal import escaped, printable
 from moseg_core.types import IntArray
+from moseg_core.untrusted.terminal import escaped, printable
 
 FORMAT = "moseg-result/1"
 """What a result file says it is; the number rises when old readers would misread it."""

@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from moseg_core.components.discovery.registry import Registry, registry
+from moseg_core.components.segmentation import Segmentation
 from moseg_core.errors import ShapeError, UsageError
 from moseg_core.io.files import load
 from moseg_core.io.result_json import SavedResult, read_result
@@ -23,6 +24,8 @@ from moseg_core.problem.full_names import meant_by_result, statement_in_full
 from moseg_core.problem.hierarchy import Hierarchy
 from moseg_core.problem.problem import Problem
 from moseg_core.search.alignment import Template
+from moseg_core.search.part_measures import measure_parts
+from moseg_core.search.part_table import PartTable
 from moseg_core.search.result import Result
 from moseg_core.shape.shape import Shape
 
@@ -101,6 +104,29 @@ def load_result(
         dimension=saved.dimension,
         incumbents=saved.incumbents,
         warnings=saved.warnings,
+    )
+
+
+def measure_saved(saved: SavedResult, shape: Shape) -> PartTable:
+    """The parts of a saved result; its problem is not looked at, nor what that needs.
+
+    Parameters
+    ----------
+    saved : SavedResult
+    shape : Shape
+        Its shape (:func:`check_shape`).
+
+    Raises
+    ------
+    PluginError
+        A measure of a bundle fails.
+    """
+    return measure_parts(
+        Segmentation.from_labels(shape, saved.labels, len(saved.names)),
+        saved.names,
+        source=registry(),
+        evaluation=saved.evaluation,
+        centers=saved.centers,
     )
 
 

@@ -18,7 +18,7 @@ from typing import Any, TypeAlias, Union
 
 from moseg_core.errors import UsageError
 from moseg_core.language import parse
-from moseg_core.terminal import printable
+from moseg_core.untrusted.terminal import printable
 
 Schema: TypeAlias = Union[Callable[[Any, str], None], "Mapping[str, Schema]", "list[Schema]"]
 

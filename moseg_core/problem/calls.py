@@ -19,7 +19,7 @@ import numpy as np
 
 from moseg_core.components.at_work import at_work
 from moseg_core.components.detail import Detail
-from moseg_core.components.faults import describe, is_fault, place, shown
+from moseg_core.components.faults import describe, is_fault, place, safe_repr
 from moseg_core.components.labellings import Labellings
 from moseg_core.components.part_array import PartArray
 from moseg_core.components.profile import timed
@@ -289,7 +289,7 @@ def call_details(
         ) from error
     if not all(isinstance(detail, Detail) for detail in found):
         raise PluginError(
-            f"{who} must give its details as Detail, not {shown(found, most=60)}; {REPORT}"
+            f"{who} must give its details as Detail, not {safe_repr(found, most=60)}; {REPORT}"
         )
     return found
 

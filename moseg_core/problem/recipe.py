@@ -79,7 +79,7 @@ from moseg_core.problem.problem import Problem
 from moseg_core.problem.statement import KEYS, Statement, check_extent, joined, read_texts
 from moseg_core.problem.toml_table import MOST_BYTES, read_table
 from moseg_core.problem.variants import Variants
-from moseg_core.regular_file import read_regular_file
+from moseg_core.untrusted.regular_file import read_regular_file
 
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]+\Z", re.ASCII)
 _TERM = re.compile(r" (?=\+ )")

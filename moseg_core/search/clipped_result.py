@@ -8,7 +8,7 @@ does not know is refused by name, and so are boundaries that a refiner has moved
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
@@ -20,12 +20,29 @@ from moseg_core.components.chosen import Choice, PreparedComponent, prepare
 from moseg_core.components.discovery.registry import NOT_INSTALLED
 from moseg_core.components.discovery.specs import Kind
 from moseg_core.errors import UsageError
+from moseg_core.problem.hierarchy import Hierarchy
 from moseg_core.problem.problem import Problem
+from moseg_core.problem.settings import SearchOptions
 from moseg_core.search.checked_partition import make_partition
+from moseg_core.search.segment import prepare_components
 
 if TYPE_CHECKING:
     from moseg_core.search.result import Result
     from moseg_core.shape.shape import Shape
+
+
+def check_clipping(tasks: Iterable[Hierarchy], options: SearchOptions) -> None:
+    """Refuse problems whose results cannot be clipped.
+
+    Raises
+    ------
+    UsageError
+        One of them is of several levels, or its components give nothing to clip by.
+    """
+    for task in tasks:
+        check_components(prepare_components(task.problem, options.settled(task.search)))
+        if task.children:
+            raise UsageError("boundaries can be clipped for results of one level only, so far")
 
 
 def clip(result: Result, *, space: Shape | None = None) -> Result:

@@ -91,8 +91,9 @@ def test_told_to_end_it_writes_the_best_so_far_too(mallet, tmp_path):
 
 def test_the_second_signal_ends_at_once_and_what_was_there_before_is_back():
     numbers = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
-    first = signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored behind a shell
-    before = [signal.getsignal(number) for number in numbers]
+    before = [signal.default_int_handler, signal.SIG_DFL, signal.SIG_DFL]
+    # Behind a shell, or under nohup, some are ignored.
+    first = [signal.signal(*each) for each in zip(numbers, before, strict=True)]
     with stop_on_interrupt(wanted=True) as stop:
         stop.raise_if_asked()
         assert not stop()
@@ -107,7 +108,8 @@ def test_the_second_signal_ends_at_once_and_what_was_there_before_is_back():
         with pytest.raises(KeyboardInterrupt):
             os.kill(os.getpid(), signal.SIGINT)
     assert [signal.getsignal(number) for number in numbers] == before
-    signal.signal(signal.SIGINT, first)
+    for number, handler in zip(numbers, first, strict=True):
+        signal.signal(number, handler)
 
 
 def test_what_is_ignored_stays_ignored():

@@ -14,7 +14,7 @@ import pytest
 from moseg_core.components.chosen import PreparedComponent
 from moseg_core.components.discovery.registry import Component
 from moseg_core.components.discovery.specs import ReaderSpec, SeederSpec
-from moseg_core.components.faults import describe, place, shown, summary
+from moseg_core.components.faults import describe, place, safe_repr, summary
 from moseg_core.errors import PluginError, UsageError
 
 SOURCE = (
@@ -175,7 +175,7 @@ def test_what_cannot_be_shown_is_told_all_the_same():
         raise Shy
 
     assert "Shy: it does not say what" in str(caught(guarded, SeederSpec, shy))
-    assert shown(Shy()) == "a Shy, which cannot be shown"
+    assert safe_repr(Shy()) == "a Shy, which cannot be shown"
 
 
 def test_errors_about_files_pass_from_readers_only(module):

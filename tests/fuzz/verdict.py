@@ -78,7 +78,7 @@ def judge(asked: dict[str, Any]) -> Verdict:
 def _of_message(text: str, error: BaseException, asked: dict[str, Any]) -> Verdict:
     """Whether a message is one: of a line, of bounded length, about the file and not the code."""
     from moseg_core import PluginError
-    from moseg_core.terminal import printable_message
+    from moseg_core.untrusted.terminal import printable_message
 
     text = text.replace(str(Path(asked["path"]).parent), "")
     # What is printed; an expression is repeated with a caret below it.

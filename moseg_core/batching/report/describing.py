@@ -6,6 +6,7 @@ both are kept as files, so that a page that is made anew later takes what is the
 
 from __future__ import annotations
 
+import hashlib
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,13 +14,11 @@ from pathlib import Path
 from typing import Any
 
 from moseg_core.batching.instructions import Instructions
-from moseg_core.components.discovery.registry import registry
-from moseg_core.components.segmentation import Segmentation
 from moseg_core.errors import MosegError
 from moseg_core.io.files import write_files
+from moseg_core.io.json_document import read_json_file
 from moseg_core.io.result_json import read_result
-from moseg_core.io.result_loading import check_shape
-from moseg_core.search.part_measures import measure_parts
+from moseg_core.io.result_loading import check_shape, measure_saved
 from moseg_core.search.part_table import Cell
 from moseg_core.view.picture import render_picture
 from moseg_core.view.point_bodies import drawable
@@ -34,13 +33,13 @@ class Description:
 
     Parameters
     ----------
-    key : str
-        Of the job that has made the result; of another one the description is out of date.
+    digest : str
+        Hexadecimal, of the result's file; of another one the description is out of date.
     rows : tuple of dict
         Measures of the parts, as in :class:`moseg_core.PartTable`.
     """
 
-    key: str
+    digest: str
     rows: tuple[dict[str, Cell], ...]
 
 
@@ -49,14 +48,18 @@ def description_files(folder: Path, name: str) -> tuple[Path, Path]:
     return folder / "report" / f"{name}.png", folder / "report" / f"{name}.json"
 
 
-def read_description(path: Path, key: str) -> Description | None:
-    """The description of a result; None where there is none of this key."""
+def read_description(path: Path, result: Path) -> Description | None:
+    """The description of a result; None where there is none of the file as it is now."""
     try:
-        document = json.loads(path.read_bytes())
-        found = Description(key=document["key"], rows=tuple(map(dict, document["rows"])))
-    except (OSError, ValueError, TypeError, KeyError, RecursionError):
+        document = read_json_file(path)
+        found = Description(digest=document["digest"], rows=tuple(map(dict, document["rows"])))
+        return found if found.digest == _digest(result) else None
+    except (OSError, ValueError, TypeError, KeyError):
         return None  # whatever it is, it is made anew
-    return found if found.key == key else None
+
+
+def _digest(path: Path) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
 def describe_result(shape: str, outputs: Sequence[str], instructions: str) -> dict[str, Any]:
@@ -68,7 +71,7 @@ def describe_result(shape: str, outputs: Sequence[str], instructions: str) -> di
         Path.
     outputs : sequence of str
         Paths of the result (.json), which is there, and of the picture and the measures, which are
-        written; and the key of the job.
+        written.
     instructions : str
         As JSON (:class:`moseg_core.batching.instructions.Instructions`).
 
@@ -77,19 +80,12 @@ def describe_result(shape: str, outputs: Sequence[str], instructions: str) -> di
     dict
         Fields of an :class:`~moseg_core.batching.outcome.Outcome`, as plain data.
     """
-    result, picture, measures, key = outputs
+    result, picture, measures = map(Path, outputs)
     try:
         read = Instructions.read(json.loads(instructions)).reading.read(shape)
-        saved = read_result(Path(result))
-        check_shape(saved, Path(result), read)
-        segmentation = Segmentation.from_labels(read, saved.labels, len(saved.names))
-        table = measure_parts(
-            segmentation,
-            saved.names,
-            source=registry(),
-            evaluation=saved.evaluation,
-            centers=saved.centers,
-        )
+        digest, saved = _digest(result), read_result(result)
+        check_shape(saved, result, read)
+        table = measure_saved(saved, read)
         drawn = render_picture(
             drawable(read.geometry),
             saved.labels,
@@ -100,9 +96,9 @@ def describe_result(shape: str, outputs: Sequence[str], instructions: str) -> di
             views=["main"],
             legend=False,
         )
-        Path(picture).parent.mkdir(exist_ok=True)
-        text = json.dumps({"key": key, "rows": json.loads(table.to_json())}, allow_nan=False)
-        write_files({Path(picture): drawn, Path(measures): text.encode()})
-    except MosegError as error:
+        picture.parent.mkdir(exist_ok=True)
+        text = json.dumps({"digest": digest, "rows": json.loads(table.to_json())}, allow_nan=False)
+        write_files({picture: drawn, measures: text.encode()})
+    except (MosegError, OSError) as error:
         return {"kind": "failed", "message": str(error)}
-    return {"kind": "ok", "files": [picture, measures]}
+    return {"kind": "ok", "files": outputs[1:]}

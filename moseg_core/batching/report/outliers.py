@@ -39,8 +39,8 @@ _POWERS = {
 }
 #: What counts as it is, beside the terms and the measures of bundles.
 _PLAIN = ("share", "pieces")
-#: What says how large a shape is, where it lies, or the same as another.
-_PASSED_OVER = ("elements", "area", "centroid_", "axis", "center_", "likeness_area", "shape_")
+#: What says how large a shape is, or where it lies.
+_PASSED_OVER = ("elements", "area", "centroid_", "axis", "center_", "shape_")
 _COST = "cost"
 _SHOWN = 3
 
@@ -118,7 +118,7 @@ def compare_shapes(tables: Sequence[Sequence[Mapping[str, Cell]]]) -> list[Liken
     there = np.array([[part in _parts(rows) for part in presence] for rows in tables])
     columns = [*names, *((part, "present") for part in presence)]
     sizes = np.hstack([_deviations(whole), _presence(there)])
-    medians = np.hstack([_medians(whole), np.median(there, axis=0)])
+    medians = np.hstack([np.nanmedian(whole, axis=0), np.median(there, axis=0)])
     whole = np.hstack([whole, there.astype(np.float64)])
     counted = np.where(np.isfinite(sizes), np.clip(sizes, -MOST, MOST), 0.0)
     n_measures = np.maximum(np.isfinite(sizes).sum(axis=1), 1)
@@ -155,21 +155,10 @@ def _parts(rows: Sequence[Mapping[str, Cell]]) -> set[str]:
     return {str(row["part"]) for row in rows if _there(row)}
 
 
-def _medians(values: FloatArray) -> FloatArray:
-    """(m,) medians of what is known."""
-    known = np.isfinite(values)
-    filled = np.where(known, values, np.inf)
-    order = np.sort(filled, axis=0)
-    count = known.sum(axis=0)
-    low = np.take_along_axis(order, np.maximum(count - 1, 0)[None] // 2, axis=0)[0]
-    high = np.take_along_axis(order, np.minimum(count // 2, len(values) - 1)[None], axis=0)[0]
-    return np.where(count > 0, (low + high) / 2, np.nan)
-
-
 def _deviations(values: FloatArray) -> FloatArray:
     """(n, m) deviations from the median in usual ones; nan where little is known."""
-    medians = _medians(values)
-    usual = 1.4826 * _medians(np.abs(values - medians))
+    medians = np.nanmedian(values, axis=0)
+    usual = 1.4826 * np.nanmedian(np.abs(values - medians), axis=0)
     usual = np.maximum(usual, np.maximum(_LEAST * np.abs(medians), 1e-9))
     few = np.isfinite(values).sum(axis=0) < FEWEST
     return np.where(few, np.nan, (values - medians) / usual)

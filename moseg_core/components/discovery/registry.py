@@ -43,7 +43,7 @@ from moseg_core.components.discovery.first_import import verdicts
 from moseg_core.components.discovery.hookspecs import HOOKS
 from moseg_core.components.discovery.known_bundles import Verdict
 from moseg_core.components.discovery.specs import NAME, Kind, Spec
-from moseg_core.components.faults import describe, guarded, is_fault, shown, summary
+from moseg_core.components.faults import describe, guarded, is_fault, safe_repr, summary
 from moseg_core.components.side_effects import without_side_effects
 from moseg_core.errors import MosegError, PluginError, UsageError, nearest, unknown
 
@@ -400,7 +400,7 @@ def _load_bundle(
     if verdict.problem:
         return _aside(bundle, verdict.problem, _renew(bundle))
     if verdict.printed:
-        said = f"printed when it was imported, and left out: {shown(verdict.printed, most=60)}"
+        said = f"printed when it was imported, and left out: {safe_repr(verdict.printed, most=60)}"
         bundle = replace(bundle, note=f"{bundle.note}; {said}" if bundle.note else said)
     with _unheard() if verdict.printed else nullcontext():
         return _offered(manager, claim.point, bundle)
@@ -476,7 +476,7 @@ def _offered(manager: pluggy.PluginManager, point: metadata.EntryPoint, bundle: 
                 if not isinstance(spec, spec_type):
                     return _aside(
                         bundle,
-                        f"hook '{hook}' returned {shown(spec)}, not a {spec_type.__name__}",
+                        f"hook '{hook}' returned {safe_repr(spec)}, not a {spec_type.__name__}",
                         report,
                     )
                 component = Component(point.name, f"{bundle.distribution} {bundle.version}", spec)

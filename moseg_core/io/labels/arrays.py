@@ -28,7 +28,7 @@ from moseg_core.io.labels.properties import chosen, names_labels
 from moseg_core.io.read.checked import file_error, read_file
 from moseg_core.io.read.grids import read_array
 from moseg_core.io.read.npy_bytes import array_from_bytes
-from moseg_core.terminal import printable
+from moseg_core.untrusted.terminal import printable
 
 # What zipfile and the decompressors raise over damaged archives.
 _DAMAGED = (

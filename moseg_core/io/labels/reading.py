@@ -32,8 +32,8 @@ from moseg_core.io.labels.stl import read_stl_labels
 from moseg_core.io.labels.text import read_text
 from moseg_core.io.read.checked import file_error
 from moseg_core.io.read.limits import LIMITS, ReadLimits
-from moseg_core.regular_file import refuse_irregular
 from moseg_core.shape.shape import Shape
+from moseg_core.untrusted.regular_file import refuse_irregular
 
 _READERS: dict[str, Callable[[Path, Wanted], Listing]] = {
     **dict.fromkeys((".seg", ".txt", ".labels", ".label", ".lab", ".csv", ".tsv"), read_text),

@@ -15,7 +15,7 @@ import unicodedata
 from collections.abc import Sequence
 
 from moseg_core.problem.statement import LONGEST_LABEL
-from moseg_core.terminal import escaped
+from moseg_core.untrusted.terminal import escaped
 
 # Joiners, without which words of some scripts are spelt wrongly.
 _JOINERS = frozenset("\u200c\u200d")

@@ -21,12 +21,12 @@ from pathlib import Path
 import numpy as np
 
 from moseg_core.errors import ShapeError
-from moseg_core.regular_file import read_regular_file
 from moseg_core.shape.appearance import Appearance
 from moseg_core.shape.geometry import FARTHEST
 from moseg_core.shape.mesh import PolygonMesh
 from moseg_core.shape.shape import Shape
 from moseg_core.types import FloatArray, IntArray
+from moseg_core.untrusted.regular_file import read_regular_file
 
 _LONGEST_WORD = 60
 _LINE_ENDS = re.compile(r"\s*[\n\r\v\f\x1c-\x1e\x85\u2028\u2029]+\s*")

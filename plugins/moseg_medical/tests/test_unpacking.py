@@ -34,7 +34,7 @@ for path in json.load(sys.stdin):
         told = str(moseg.load(path).n_elements)
     except moseg.ShapeError as error:
         told = str(error)
-    except BaseException:
+    except BaseException:  # what should not be is told, and fails the test
         told = traceback.format_exc()
     after = resource.getrusage(resource.RUSAGE_SELF)
     found[path] = told, after.ru_utime - before.ru_utime, after.ru_maxrss - before.ru_maxrss

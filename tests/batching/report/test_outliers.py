@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from moseg_core.batching.report.outliers import FEWEST, MOST, _medians, compare_shapes
+from moseg_core.batching.report.outliers import FEWEST, MOST, compare_shapes
 
 
 def specimen(rng, *, scale=1.0, leg=0.3, parts=("body", "leg"), cost=1.0):
@@ -85,12 +85,3 @@ def test_no_score_is_above_the_most_and_few_shapes_have_none():
     found = compare_shapes(tables)
     assert 1 < found[0].score <= MOST
     assert compare_shapes(tables[: FEWEST - 1]) is None
-
-
-def test_medians_of_what_is_known_are_those_of_numpy():
-    rng = np.random.default_rng(4)
-    values = rng.normal(size=(9, 30))
-    values[rng.random(values.shape) < 0.4] = np.nan
-    values[0] = 0.0
-    np.testing.assert_allclose(_medians(values), np.nanmedian(values, axis=0))
-    assert np.isnan(_medians(np.full((3, 2), np.nan))).all()

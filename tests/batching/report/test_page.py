@@ -23,7 +23,7 @@ def ok(shape, cost=1.0, **more):
 
 def described(length):
     rows = {"part": "leg", "elements": 9, "length": length, "shape_diagonal": 1.0}
-    return Description(key="", rows=(rows,))
+    return Description(digest="", rows=(rows,))
 
 
 def shown(page):
@@ -63,7 +63,7 @@ def test_text_of_files_is_no_markup():
     rows = ({"part": HOSTILE, "length": 1.0, "shape_diagonal": 1.0},)
     page = batch_page(
         result(outcome, failed),
-        {HOSTILE: Description(key="", rows=rows)},
+        {HOSTILE: Description(digest="", rows=rows)},
         {HOSTILE: "report/<x>.png"},
     ).decode()
     assert "<script" not in page

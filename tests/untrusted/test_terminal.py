@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from moseg_core.terminal import (
+from moseg_core.untrusted.terminal import (
     LONGEST,
     escaped,
     printable,
@@ -16,7 +16,7 @@ from moseg_core.terminal import (
     printable_message,
 )
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 
 #: By what it would do to a terminal, or to who reads it.
 OBEYED = {

@@ -7,7 +7,7 @@ import socket
 
 import pytest
 
-from moseg_core.regular_file import read_regular_file, refuse_irregular
+from moseg_core.untrusted.regular_file import read_regular_file, refuse_irregular
 
 
 @pytest.fixture
