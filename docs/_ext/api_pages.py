@@ -34,7 +34,7 @@ ROOMS = {
     "language": "Values in expressions",
     "view": "Pictures",
     "errors": "Errors",
-    "terminal": "Text for a terminal",
+    "untrusted": "Text for a terminal",
 }
 #: Public packages beside the face.
 PACKAGES = {"agreement": "Agreement of labellings", "testing": "Checks of components"}
