@@ -20,11 +20,17 @@ from speed_jobs.records import Record, Request
 POINTS, CELLS, FACES, LABELS, SHAPES = 1_000_000, 200, 100_000, 30, 1_000
 TWO = ("--labels", "a,b", "--minimize", "narrow(a) + convex_parts")
 
+#: A cloud has no volume, so nothing can be said of convex parts, and its neighbours are found.
+TWO_OF_A_CLOUD = (
+    *("--labels", "a,b", "--minimize", "narrow(a) + short_boundaries"),
+    *("--adjacency", "knn"),
+)
+
 
 def extremes(request: Request) -> Iterator[Record]:
     """A cloud of 1 M points, 200^3 full voxels, 30 labels on 100 k faces, 1,000 small shapes."""
     for what, words in (
-        (f"{POINTS} points", [str(write_cloud(request.folder, POINTS)), *TWO]),
+        (f"{POINTS} points", [str(write_cloud(request.folder, POINTS)), *TWO_OF_A_CLOUD]),
         (f"{CELLS}^3 voxels", [str(write_block(request.folder, CELLS)), *TWO]),
         (
             f"{LABELS} labels on {FACES} faces",

@@ -344,18 +344,18 @@ def test_two_hundred_shapes_with_planted_harm(planted_bundle, shape_folder):
 @pytest.mark.slow
 def test_kills_at_random_moments_lose_nothing(planted_bundle, shape_folder):
     rng = np.random.default_rng(0)
-    names = [f"s{k:02}" for k in range(30)]
+    names = [f"s{k:03}" for k in range(100)]
     for name in names:
         write_shape(shape_folder, name)
     whole = run(["models/*.off"], STATEMENT, "whole", workers=2)
-    assert whole.counts == {"ok": 30}
+    assert whole.counts == {"ok": len(names)}
     kills = 0
     process = Driver()
     while process.process.poll() is None or rows_of(Path("out")) < len(names):
         if process.process.poll() is not None:
             process = Driver("--resume")
-        time.sleep(rng.uniform(0.3, 4.0))
-        if kills < 20 and process.process.poll() is None:
+        time.sleep(rng.uniform(0.2, 2.5))
+        if kills < 50 and process.process.poll() is None:
             kills += 1
             children = children_of(process.process.pid)
             if children and rng.random() < 0.6:
@@ -367,8 +367,9 @@ def test_kills_at_random_moments_lose_nothing(planted_bundle, shape_folder):
                 process.process.kill()
                 process.process.wait()
                 assert gone(process.process.pid)
+    assert kills == 50
     done = run(["models/*.off"], STATEMENT, "out", resume=True, retry_failed=True)
-    assert done.counts == {"ok": 30}
+    assert done.counts == {"ok": len(names)}
     for name in names:
         assert Path("out", f"{name}.json").read_bytes() == Path(f"whole/{name}.json").read_bytes()
     ok = Counter(row.key for row in read_ledger(Path("out")) if row.ok)
