@@ -269,9 +269,9 @@ class CheckpointFlags:
         Go on from a checkpoint; the result is that of a run that was never stopped, to the byte.
         With the same --checkpoint it is begun where the file is not there yet.
     checkpoint_every
-        Seconds from one time that the checkpoint is written to the next.
+        Seconds from one time that the checkpoint is written to the next; 30 by default.
     """
 
     checkpoint: Path | None = None
     resume: Path | None = None
-    checkpoint_every: float = 30.0
+    checkpoint_every: float | None = None

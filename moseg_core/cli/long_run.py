@@ -12,6 +12,9 @@ from moseg_core.cli.flags import CheckpointFlags
 from moseg_core.errors import UsageError
 from moseg_core.io.checkpoint import checkpointing
 
+#: Seconds from one time that the checkpoint is written to the next, unless the user says.
+_EVERY = 30.0
+
 
 def checkpoint_path(flags: CheckpointFlags, others: Sequence[Path] = ()) -> Path | None:
     """The file that the checkpoint goes to; None where none is wanted.
@@ -35,7 +38,12 @@ def checkpoint_path(flags: CheckpointFlags, others: Sequence[Path] = ()) -> Path
     'horse.checkpoint'
     """
     path = flags.resume if flags.checkpoint is None else flags.checkpoint
+    every = flags.checkpoint_every
     if path is None:
+        if every is not None:
+            raise UsageError(
+                "--checkpoint-every says how often, and not where; add --checkpoint FILE"
+            )
         return None
     if flags.resume is not None and flags.resume != path and not flags.resume.exists():
         raise UsageError(f"--resume: there is no '{flags.resume}'")
@@ -43,10 +51,8 @@ def checkpoint_path(flags: CheckpointFlags, others: Sequence[Path] = ()) -> Path
         raise UsageError(
             f"--resume: there is no '{path}'; begin with --checkpoint {shlex.quote(str(path))}"
         )
-    if not flags.checkpoint_every > 0:
-        raise UsageError(
-            f"--checkpoint-every must be a number of seconds above 0, not {flags.checkpoint_every}"
-        )
+    if every is not None and not every > 0:
+        raise UsageError(f"--checkpoint-every must be a number of seconds above 0, not {every}")
     for other in others:
         if path == other or (path.exists() and other.exists() and path.samefile(other)):
             raise UsageError(f"'{path}' cannot be both the checkpoint and something else")
@@ -73,7 +79,8 @@ def keeping_checkpoint(flags: CheckpointFlags, path: Path | None, *, quiet: bool
     if path is None:
         yield
         return
-    with checkpointing(path, resume=flags.resume, every=flags.checkpoint_every) as checkpoint:
+    every = _EVERY if flags.checkpoint_every is None else flags.checkpoint_every
+    with checkpointing(path, resume=flags.resume, every=every) as checkpoint:
 
         def tell() -> None:
             if checkpoint.known:

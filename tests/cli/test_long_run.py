@@ -82,12 +82,13 @@ def test_stopped_without_outputs_the_checkpoint_is_kept(mallet, tmp_path):
         ({"checkpoint": "shape.off"}, "cannot be both the checkpoint and something else"),
         ({"checkpoint": "new", "every": 0.0}, "--checkpoint-every must be .* not 0.0"),
         ({"checkpoint": "new", "every": float("nan")}, "must be a number of seconds above 0"),
+        ({"every": 5.0}, "--checkpoint-every says how often, .* add --checkpoint FILE"),
     ],
 )
 def test_what_makes_no_sense_is_refused(flags, told, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     paths = {name: Path(flags[name]) for name in ("checkpoint", "resume") if name in flags}
-    every = flags.get("every", 30.0)
+    every = flags.get("every")
     with pytest.raises(UsageError, match=told):
         checkpoint_path(CheckpointFlags(checkpoint_every=every, **paths), [Path("shape.off")])
 
