@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from moseg_core.clipping.net import Cuts, Net
-from moseg_core.shape.adjacency import ranges
+from moseg_core.shape.geometry import ranges
 from moseg_core.shape.mesh import PolygonMesh
 from moseg_core.types import BoolArray, FloatArray, IntArray
 

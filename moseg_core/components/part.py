@@ -30,9 +30,9 @@ from moseg_core.components.memo import Memo
 from moseg_core.components.part_tables import PartTables, pair_of_one_labelling
 from moseg_core.components.requirements import demand
 from moseg_core.errors import MosegError
-from moseg_core.shape.adjacency import ranges
 from moseg_core.shape.shape import Shape
-from moseg_core.types import FloatArray, Int32Array, IntArray, frozen
+from moseg_core.shape.voxels import VoxelGrid
+from moseg_core.types import BoolArray, FloatArray, Int32Array, IntArray, frozen
 
 if TYPE_CHECKING:
     import trimesh
@@ -149,53 +149,49 @@ class Part:
         return self.shape.areas[self.elements]
 
     @cached_property
-    def _surface(self) -> tuple[FloatArray, IntArray, IntArray]:
-        geometry = self.shape.geometry
-        used = np.zeros(len(geometry.vertices), np.bool_)
-        if geometry.is_triangular:
-            triangles = geometry.triangles[self.elements]
-            used[triangles] = True
-        else:
-            inside = np.zeros(geometry.n_elements, np.bool_)
-            inside[self.elements] = True
-            triangles = geometry.triangles[inside[geometry.triangle_polygon]]
-            used[geometry.corners[ranges(geometry.offsets, self.elements)]] = True
-        compact = np.cumsum(used) - 1
-        return (
-            frozen(geometry.vertices[used]),
-            frozen(compact[triangles]),
-            frozen(geometry.merged[used]),
-        )
+    def _used(self) -> BoolArray:
+        """(V,) bool: the vertices that the part's elements use."""
+        return self.shape.geometry.used_by(self.elements)
 
-    @property
+    @cached_property
     def vertices(self) -> FloatArray:
         """(v, 3) float, model units: the vertices that the part's elements use."""
-        return self._surface[0]
+        return frozen(self.shape.geometry.vertices[self._used])
 
-    @property
+    @cached_property
     def triangles(self) -> IntArray:
         """(t, 3) int: what is seen of the part as triangles over :attr:`vertices`.
 
         None on a point cloud. On a voxel grid the exposed faces of its cells, not the cuts.
         """
-        return self._surface[1]
+        geometry = self.shape.geometry
+        if geometry.is_triangular:
+            triangles = geometry.triangles[self.elements]
+        else:
+            inside = np.zeros(geometry.n_elements, np.bool_)
+            inside[self.elements] = True
+            triangles = geometry.triangles[inside[geometry.triangle_polygon]]
+        return frozen((np.cumsum(self._used) - 1)[triangles])
 
-    @property
+    @cached_property
     def merged(self) -> IntArray:
         """(v,) int: number of each vertex's position in the shape; those at one place share it."""
-        return self._surface[2]
+        return frozen(self.shape.geometry.merged[self._used])
 
     @cached_property
     def extreme_vertices(self) -> FloatArray:
         """(k, 3) float, model units: vertices with the same convex hull as all of them.
 
         Enough for hulls, extents and whatever else only depends on what is furthest out; fewer
-        than :attr:`vertices` on a part of a coarse shape, else the same.
+        than :attr:`vertices` on a part of a coarse shape and on one of a voxel grid, else the same.
         """
-        corners = self.level.hull_corners
-        if corners is None:
+        corners, geometry = self.level.hull_corners, self.shape.geometry
+        if corners is not None:
+            return frozen(geometry.vertices[corners.of(self.level_elements)])
+        if not isinstance(geometry, VoxelGrid):
             return self.vertices
-        return frozen(self.shape.geometry.vertices[corners.of(self.level_elements)])
+        groups = np.where(self._level_labels == self._index, 0, -1)
+        return frozen(geometry.vertices[geometry.outer_corners(groups)[1]])
 
     @cached_property
     def box_diagonal(self) -> float:

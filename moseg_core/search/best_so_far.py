@@ -67,6 +67,11 @@ class TrackedWorkers:
         """Work in these processes, which have been given :meth:`tasks`."""
         self._pool = pool
 
+    def release(self) -> None:
+        """As :meth:`Workers.release`."""
+        assert self._pool is not None  # joined before
+        self._pool.release()
+
     def map(
         self, name: str, arguments: Sequence[tuple[Any, ...]], *, enough: Enough | None = None
     ) -> list[Any]:

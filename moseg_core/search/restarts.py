@@ -243,7 +243,10 @@ class Plan:
         return outcome
 
     def polish(self, outcome: RunOutcome, k: int, of: int, *, report: Report) -> RunOutcome:
-        """Improve on more elements what was found on super-elements, the `k`-th of so many."""
+        """Improve on more elements what was found on super-elements, the `k`-th of so many.
+
+        Vector and cost that come back are those on the finer level.
+        """
         report = placed(report, _counted("result", k, of))
         fine, whole = self.fine, self.whole
         ready = polisher(self.ready["optimizer"], whole.problem.registry)
@@ -252,9 +255,6 @@ class Plan:
         run = set_up(fine, ready, vector, rng=rng, frozen=self.frozen, stage="polish")
         better = go_on(run, fine, ready, report=report, deadline=self.deadline)
         better = self.settled(run, better, fine, report=report)
-        if fine is not whole:
-            vector = carried(better.vector, fine, whole)
-            better = replace(better, vector=vector, cost=whole.evaluate(vector).cost)
         reason = "seconds" if better.reason == "seconds" else outcome.reason
         done = outcome.evaluations
         return replace(
@@ -307,6 +307,8 @@ def carry_out(plan: Plan, workers: int, listener: Listener) -> tuple[list[RunOut
         "resumed": plan.resumed,
         "polish": plan.polish,
     }
+    for level in (plan.coarse, plan.fine, plan.whole):
+        level.shape.make_ready()
     tracked = TrackedWorkers(plan.coarse, plan.whole)
     with Workers(tracked.tasks(tasks), workers, listener) as pool:
         tracked.join(pool)
@@ -372,10 +374,14 @@ def finish(plan: Plan, outcomes: Sequence[RunOutcome], pool: TrackedWorkers) -> 
     """
     coarse, whole = plan.coarse, plan.whole
 
-    def exact(outcome: RunOutcome) -> RunOutcome:
-        vector = carried(outcome.vector, coarse, whole)
+    def exact(outcome: RunOutcome, level: ProblemEvaluator = coarse) -> RunOutcome:
+        vector = carried(outcome.vector, level, whole)
         return replace(outcome, vector=vector, cost=whole.evaluate(vector).cost)
 
+    if plan.fine is not whole:
+        # What processes have found out of millions of elements takes room; those that polish are
+        # made anew, and share what this one has made by then.
+        pool.release()
     by_cost = sorted((outcomes[k] for k in _distinct(coarse, outcomes)), key=lambda o: o.cost)
     finalists = [outcome for outcome in by_cost if outcome.reason != "paused"]
     found = [exact(outcome) for outcome in finalists]
@@ -386,7 +392,10 @@ def finish(plan: Plan, outcomes: Sequence[RunOutcome], pool: TrackedWorkers) -> 
     polished: list[RunOutcome] = []
     if plan.deadline is None or time.monotonic() < plan.deadline:
         first = ranked[:_POLISHED]
+        plan.fine.shape.make_ready(like=whole.shape)
         polished = pool.map("polish", [(each, k, len(first)) for k, each in enumerate(first)])
+        if plan.fine is not whole:  # measured in this process alone, as the others were
+            polished = [exact(outcome, plan.fine) for outcome in polished]
     best = min([*polished, *ranked], key=lambda outcome: outcome.cost)
     return replace(best, reason="evaluations") if best.reason == "paused" else best
 

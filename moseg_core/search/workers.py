@@ -106,6 +106,10 @@ class Workers:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
+        self.release()
+
+    def release(self) -> None:
+        """End the processes; those made next are copies of this one as it is by then."""
         for worker in self._workers:
             worker.process.kill()  # nothing to wind up there; and it may not listen to less
             worker.pipe.close()

@@ -22,7 +22,6 @@ from functools import cached_property
 
 import numpy as np
 from scipy import sparse
-from scipy.sparse import csgraph
 
 from moseg_core.shape.compiled import kernel
 from moseg_core.shape.mesh import PolygonMesh
@@ -32,6 +31,9 @@ from moseg_core.types import FloatArray, Int32Array, IntArray, frozen
 
 #: Below this angle, in radians, two polygons at an edge are taken to be at the same.
 _SAME = 1e-6
+
+#: Stands for the component of an element that is not asked for.
+_OUTSIDE = -2
 
 NEAREST = 10
 """How many nearest elements may be neighbours, unless the user says otherwise."""
@@ -76,6 +78,31 @@ class Adjacency:
         graph.sort_indices()
         return cls(graph.indptr.astype(np.int32), graph.indices.astype(np.int32))
 
+    def grouped(self, members: IntArray, n_groups: int) -> Adjacency:
+        """Which groups of elements touch.
+
+        Parameters
+        ----------
+        members : (F,) int
+            The group of each element.
+        n_groups : int
+
+        Examples
+        --------
+        >>> chain = Adjacency.from_pairs(np.array([[0, 1], [1, 2], [2, 3]]), 4)
+        >>> chain.grouped(np.array([0, 0, 1, 2]), 3).indices.tolist()
+        [1, 0, 2, 1]
+        """
+        # Of the links of a grid of millions of cells few lead from group to group, each seen
+        # from both sides: once will do.
+        group = members.astype(np.int32)
+        first = np.repeat(group, np.diff(self.indptr))
+        second = group[self.indices]
+        ascending = first < second
+        return Adjacency.from_pairs(
+            np.stack([first[ascending], second[ascending]], axis=1).astype(np.int64), n_groups
+        )
+
     @property
     def n_elements(self) -> int:
         """Number of elements, F."""
@@ -105,23 +132,29 @@ class Adjacency:
         -------
         count : int
         component : (k,) int
-            The component of each element asked for, numbered from 0.
+            The component of each element asked for, numbered from 0 in the order of their least
+            elements.
         """
         if elements is None:
-            component = np.full(self.n_elements, -1, np.int64)
-            return _flood(self.indptr, self.indices, component), component
-        graph = self.matrix[elements][:, elements]
-        count, found = csgraph.connected_components(graph, directed=False)
-        return int(count), found.astype(np.int64)
+            return self._all_components
+        component = np.full(self.n_elements, _OUTSIDE, np.int64)
+        component[elements] = -1
+        count = _flood(self.indptr, self.indices, component)
+        return count, component[elements]
+
+    @cached_property
+    def _all_components(self) -> tuple[int, IntArray]:
+        component = np.full(self.n_elements, -1, np.int64)
+        return _flood(self.indptr, self.indices, component), frozen(component)
 
 
 @kernel
 def _flood(indptr: Int32Array, indices: Int32Array, component: IntArray) -> int:
-    """Write the number of each element's component, in the order of their first elements."""
+    """Write the number of each element's component where it is -1 so far, and count them."""
     waiting = np.empty(len(component), np.int32)
     count = 0
     for first in range(len(component)):
-        if component[first] >= 0:
+        if component[first] != -1:
             continue
         component[first] = count
         waiting[0], n_waiting = first, 1
@@ -130,26 +163,12 @@ def _flood(indptr: Int32Array, indices: Int32Array, component: IntArray) -> int:
             element = waiting[n_waiting]
             for k in range(indptr[element], indptr[element + 1]):
                 other = indices[k]
-                if component[other] < 0:
+                if component[other] == -1:
                     component[other] = count
                     waiting[n_waiting] = other
                     n_waiting += 1
         count += 1
     return count
-
-
-def ranges(starts: IntArray, rows: IntArray) -> IntArray:
-    """The numbers ``starts[r]`` to ``starts[r + 1] - 1`` of some rows, one row after the other.
-
-    Examples
-    --------
-    >>> ranges(np.array([0, 2, 2, 5]), np.array([2, 0])).tolist()
-    [2, 3, 4, 0, 1]
-    """
-    sizes = starts[rows + 1] - starts[rows]
-    before = np.cumsum(sizes) - sizes
-    found: IntArray = np.arange(int(sizes.sum())) + np.repeat(starts[rows] - before, sizes)
-    return found
 
 
 def mesh_adjacency(mesh: PolygonMesh) -> Adjacency:

@@ -73,22 +73,26 @@ def coarsen(shape: Shape, n_elements: int = 2000, *, pins: Pins = NO_PINS) -> Sh
     key = ("coarse", n_elements, pins.elements.tobytes(), pins.labels.tobytes())
     if key not in shape.made_from:
         resolution = f"coarse{n_elements}"
-        members = _in_two_steps(shape, n_elements, pins)
-        shape.made_from[key] = grouped(shape, members, resolution)
+        middle = _middle(shape, n_elements, pins)
+        if middle is None:
+            members = _in_one_step(shape, n_elements, pins)
+            made = grouped(shape, members, resolution)
+        else:
+            assert middle.members is not None  # a coarse shape
+            groups = _in_one_step(middle, n_elements, coarse_pins(pins, middle))
+            made = grouped(shape, groups[middle.members], resolution, by_way_of=(middle, groups))
+        shape.made_from[key] = made
     kept: Shape = shape.made_from[key]
     return kept
 
 
-def _in_two_steps(shape: Shape, n: int, pins: Pins) -> IntArray:
-    """(F,) int: the group of each element; of a large shape, of groups of its elements."""
+def _middle(shape: Shape, n: int, pins: Pins) -> Shape | None:
+    """By way of which groups a large shape is grouped; None where that is done in one step."""
     if shape.n_elements <= WORTH * MIDDLE or n > MIDDLE // 2:
-        return _in_one_step(shape, n, pins)
+        return None
     middle = coarsen(shape, MIDDLE, pins=pins)
-    assert middle.members is not None  # a coarse shape
-    if shape.n_elements <= WORTH * middle.n_elements:  # a surface in very many bits
-        return _in_one_step(shape, n, pins)
-    groups: IntArray = _in_one_step(middle, n, coarse_pins(pins, middle))[middle.members]
-    return groups
+    # Else a surface in very many bits.
+    return middle if shape.n_elements > WORTH * middle.n_elements else None
 
 
 def _in_one_step(shape: Shape, n: int, pins: Pins) -> IntArray:
@@ -106,7 +110,13 @@ def _in_one_step(shape: Shape, n: int, pins: Pins) -> IntArray:
     return _separate(members, pins, graph)
 
 
-def grouped(shape: Shape, members: IntArray, resolution: str) -> Shape:
+def grouped(
+    shape: Shape,
+    members: IntArray,
+    resolution: str,
+    *,
+    by_way_of: tuple[Shape, IntArray] | None = None,
+) -> Shape:
     """The shape over given groups of its elements.
 
     Parameters
@@ -117,6 +127,9 @@ def grouped(shape: Shape, members: IntArray, resolution: str) -> Shape:
         The group of each element, 0 to K - 1, each at least once.
     resolution : str
         What to call it in memo keys.
+    by_way_of : (Shape, (K',) int), optional
+        A shape of smaller groups, and the group that each of those is in: what groups touch is
+        found faster so.
     """
     count = int(members.max()) + 1
     areas = _sums(members, shape.areas[:, None], count)[:, 0]
@@ -127,9 +140,9 @@ def grouped(shape: Shape, members: IntArray, resolution: str) -> Shape:
         middle = np.where(areas[:, None] > 0, first / areas[:, None], mean)
     adjacency = None
     if shape.adjacency is not None:
-        rows = np.repeat(np.arange(shape.n_elements), np.diff(shape.adjacency.indptr))
-        pairs = np.stack([members[rows], members[shape.adjacency.indices]], axis=1)
-        adjacency = Adjacency.from_pairs(pairs, count)
+        finer, of_finer = (shape, members) if by_way_of is None else by_way_of
+        assert finer.adjacency is not None  # that of groups of the shape
+        adjacency = finer.adjacency.grouped(of_finer, count)
     return replace(
         shape,
         points=middle + shape.frame.center,

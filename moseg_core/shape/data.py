@@ -15,14 +15,15 @@ from collections.abc import Hashable
 from copy import copy
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import chain
 from typing import Any, Literal, Self, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from moseg_core.errors import ShapeError
-from moseg_core.shape.adjacency import Adjacency, ranges
-from moseg_core.shape.geometry import Geometry
+from moseg_core.shape.adjacency import Adjacency
+from moseg_core.shape.geometry import Geometry, ranges
 from moseg_core.shape.hull_corners import HullCorners, find_hull_corners
 from moseg_core.shape.links import Links, find_links
 from moseg_core.shape.mesh import PolygonMesh
@@ -33,6 +34,10 @@ from moseg_core.shape.voxels import VoxelGrid
 from moseg_core.types import FloatArray, IntArray, frozen
 
 AdjacencySource: TypeAlias = Literal["auto", "knn", "none"]
+
+#: What every search asks of a shape; and what some do, which takes long to make.
+_ALWAYS = ("element_hashes", "key")
+_SOMETIMES = ("hull_corners", "links")
 
 
 @dataclass(frozen=True, eq=False)
@@ -219,6 +224,18 @@ class ShapeData:
         """
         return {}
 
+    def make_ready(self, like: Self | None = None) -> None:
+        """Make what a search will ask for, so that processes that are copies of this one have it.
+
+        Parameters
+        ----------
+        like : ShapeData, optional
+            Another version of the shape: what has been asked of it, and takes long, is made too.
+        """
+        asked = [name for name in _SOMETIMES if like is not None and name in vars(like)]
+        for name in (*_ALWAYS, *asked):
+            getattr(self, name)
+
     def __getstate__(self) -> dict[str, Any]:
         # What was made of the shape is large, and made anew where it is needed.
         return {key: value for key, value in self.__dict__.items() if key != "made_from"}
@@ -302,7 +319,8 @@ class ShapeData:
     @cached_property
     def unit_points(self) -> FloatArray:
         """(F, 3) float: the elements in unit coordinates, in which the search works."""
-        return frozen(self.frame.to_unit(self.points))
+        # Row by row, as the kernels go through them; points of a grid are not.
+        return frozen(np.ascontiguousarray(self.frame.to_unit(self.points)))
 
     @cached_property
     def area(self) -> float:
@@ -325,19 +343,22 @@ class ShapeData:
         xx, xy, xz, yy, yz, zz = self.second_moments.sum(axis=0) / self.area
         second = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
         _, axes = np.linalg.eigh(second - np.outer(first, first))
-        corners = self.geometry.vertices[np.unique(self.geometry.corners)] @ axes
+        corners = self.geometry.used_vertices @ axes
         return float(np.linalg.norm(np.ptp(corners, axis=0)))
 
     @cached_property
     def fingerprint(self) -> str:
         """Hexadecimal digest of the geometry; equal for equal files, whatever their names."""
-        digest = hashlib.sha256()
-        for array in (self.geometry.vertices, self.geometry.corners, self.geometry.offsets):
-            digest.update(np.ascontiguousarray(array).tobytes())
-        if not isinstance(self.geometry, PolygonMesh):
+        if self.fine is not None:
+            return self.fine.fingerprint
+        geometry, digest = self.geometry, hashlib.sha256()
+        arrays = chain([geometry.vertices], geometry.corners_in_pieces(), [geometry.offsets])
+        for array in arrays:
+            digest.update(_buffer(array))
+        if not isinstance(geometry, PolygonMesh):
             # Equal points may have other areas, and equal cells be solid or not.
-            digest.update(self.geometry.kind.encode())
-            digest.update(np.ascontiguousarray(self.input.areas).tobytes())
+            digest.update(geometry.kind.encode())
+            digest.update(_buffer(self.areas))
         return digest.hexdigest()[:16]
 
     @cached_property
@@ -350,7 +371,7 @@ class ShapeData:
     def _links(self) -> str:
         if self.adjacency is None:
             return ""
-        digest = hashlib.sha256(np.ascontiguousarray(self.adjacency.indices).tobytes())
+        digest = hashlib.sha256(_buffer(self.adjacency.indices))
         return digest.hexdigest()[:16]
 
     def __repr__(self) -> str:
@@ -358,3 +379,8 @@ class ShapeData:
         return f"Shape({self.name}: {self.n_elements} elements, area {self.area:.6g}, {volume}" + (
             f", {self.resolution})" if self.resolution != "full" else ")"
         )
+
+
+def _buffer(array: npt.NDArray[Any]) -> memoryview:
+    """The bytes of an array in C order, without a copy where they are so already."""
+    return np.ascontiguousarray(array).reshape(-1).view(np.uint8).data

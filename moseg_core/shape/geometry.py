@@ -17,12 +17,15 @@ holds them.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
 
+import numpy as np
+
 from moseg_core.shape.positions import Positions, find_positions
-from moseg_core.types import FloatArray, IntArray, frozen
+from moseg_core.types import BoolArray, FloatArray, IntArray, frozen
 
 FARTHEST = 1e50
 """Coordinates up to which can be measured: fourth powers of them and a little more are floats."""
@@ -88,10 +91,52 @@ class Geometry:
         return False
 
     @property
+    def used_vertices(self) -> FloatArray:
+        """(v, 3) float, model units: the vertices that some element has."""
+        used = np.zeros(len(self.vertices), np.bool_)
+        used[self.corners] = True
+        return self.vertices[used]
+
+    @property
     def box(self) -> tuple[FloatArray, FloatArray]:
         """The least and the greatest coordinates of all corners, (3,) float each, model units."""
         used = self.vertices[self.corners]
         return used.min(axis=0), used.max(axis=0)
+
+    def corners_in_pieces(self) -> Iterator[IntArray]:
+        """The corners of all elements, a stretch of them at a time."""
+        yield self.corners
+
+    def used_by(self, elements: IntArray) -> BoolArray:
+        """(V,) bool: the vertices that some elements have.
+
+        Parameters
+        ----------
+        elements : (k,) int
+        """
+        used = np.zeros(len(self.vertices), np.bool_)
+        if self.is_triangular:
+            used[self.triangles[elements]] = True
+        else:
+            used[self.corners[ranges(self.offsets, elements)]] = True
+        return used
+
+    def outer_corners(self, groups: IntArray) -> tuple[IntArray, IntArray]:
+        """Vertices of groups of elements, among them all corners of the groups' convex hulls.
+
+        Parameters
+        ----------
+        groups : (F,) int
+            The group of each element; of one below 0 nothing is said.
+
+        Returns
+        -------
+        group, vertex : (k,) int
+            Pairs in any order, maybe several times.
+        """
+        group, vertex = np.repeat(groups, np.diff(self.offsets)), self.corners
+        asked = group >= 0
+        return (group, vertex) if asked.all() else (group[asked], vertex[asked])
 
     @cached_property
     def merged(self) -> IntArray:
@@ -102,3 +147,17 @@ class Geometry:
     def _positions(self) -> Positions:
         """Which vertices are at one position."""
         return find_positions(self.vertices)
+
+
+def ranges(starts: IntArray, rows: IntArray) -> IntArray:
+    """The numbers ``starts[r]`` to ``starts[r + 1] - 1`` of some rows, one row after the other.
+
+    Examples
+    --------
+    >>> ranges(np.array([0, 2, 2, 5]), np.array([2, 0])).tolist()
+    [2, 3, 4, 0, 1]
+    """
+    sizes = starts[rows + 1] - starts[rows]
+    before = np.cumsum(sizes) - sizes
+    found: IntArray = np.arange(int(sizes.sum())) + np.repeat(starts[rows] - before, sizes)
+    return found

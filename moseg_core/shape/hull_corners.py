@@ -14,16 +14,18 @@ from __future__ import annotations
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
 
 import numpy as np
 
 from moseg_core.shape.compiled import kernel
 from moseg_core.shape.geometry import Geometry
+from moseg_core.shape.row_threads import over_rows
 from moseg_core.types import BoolArray, FloatArray, IntArray, frozen
 
 #: Groups in a block.
 _BLOCK = 8
+#: About how long it takes to find a hull.
+_SECONDS = 2e-4
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -37,8 +39,8 @@ class HullCorners:
         touch comes several times.
     starts : (K + 1,) int
         Where each group's begin.
-    n_vertices : int
-        Of the geometry.
+    distinct : (m,) int
+        The vertices of all groups, ascending, each once.
     blocks : (K,) int
         Which block of groups near each other each group belongs to.
     of_blocks : HullCorners or None
@@ -47,19 +49,24 @@ class HullCorners:
 
     vertices: IntArray
     starts: IntArray
-    n_vertices: int
+    distinct: IntArray
     blocks: IntArray
     of_blocks: HullCorners | None
 
     def of(self, groups: IntArray) -> IntArray:
         """(m,) int: the vertices of some groups, ascending, each once."""
-        marked: BoolArray = np.zeros(self.n_vertices, np.bool_)
+        marked: BoolArray = np.zeros(len(self.distinct), np.bool_)
         level: HullCorners | None = self
         while level is not None:
             whole = np.zeros(0 if level.of_blocks is None else len(level._sizes), np.bool_)
-            _mark(groups, level.vertices, level.starts, level.blocks, level._sizes, marked, whole)
+            _mark(groups, level._places, level.starts, level.blocks, level._sizes, marked, whole)
             groups, level = np.flatnonzero(whole), level.of_blocks
-        return np.flatnonzero(marked)
+        return self.distinct[marked]
+
+    @cached_property
+    def _places(self) -> IntArray:
+        """(k,) int: where each of the vertices is among the distinct ones."""
+        return np.searchsorted(self.distinct, self.vertices)
 
     @cached_property
     def _sizes(self) -> IntArray:
@@ -71,7 +78,7 @@ class HullCorners:
 @kernel
 def _mark(
     groups: IntArray,
-    vertices: IntArray,
+    places: IntArray,
     starts: IntArray,
     blocks: IntArray,
     sizes: IntArray,
@@ -91,7 +98,7 @@ def _mark(
     for g in groups:
         if missing[blocks[g]]:
             for k in range(starts[g], starts[g + 1]):
-                marked[vertices[k]] = True
+                marked[places[k]] = True
 
 
 def find_hull_corners(geometry: Geometry, members: IntArray, points: FloatArray) -> HullCorners:
@@ -122,17 +129,24 @@ def find_hull_corners(geometry: Geometry, members: IntArray, points: FloatArray)
     >>> find_hull_corners(shape.geometry, np.zeros(9, int), np.zeros((1, 3))).vertices.tolist()
     [0, 1, 2, 3, 4, 5, 6, 7]
     """
-    owner = np.repeat(members, np.diff(geometry.offsets))
-    return _hull_corners(geometry, owner, geometry.corners, points)
+    return _hull_corners(geometry, *geometry.outer_corners(members), points)
 
 
 def _hull_corners(
-    geometry: Geometry, owner: IntArray, vertices: IntArray, points: FloatArray
+    geometry: Geometry,
+    owner: IntArray,
+    vertices: IntArray,
+    points: FloatArray,
+    distinct: IntArray | None = None,
 ) -> HullCorners:
     """The same from pairs of a group and a vertex, and so on for blocks, blocks of those, ..."""
     from scipy.spatial import cKDTree
 
     vertices, starts = _corners(geometry, owner, vertices)
+    if distinct is None:
+        used = np.zeros(len(geometry.vertices), np.bool_)
+        used[vertices] = True
+        distinct = frozen(np.flatnonzero(used))
     blocks = np.empty(len(points), np.int64)
     # Neighbours in the order of a tree's leaves are neighbours in space.
     blocks[cKDTree(points).indices] = np.arange(len(points)) // _BLOCK
@@ -140,11 +154,12 @@ def _hull_corners(
     if len(points) > _BLOCK:
         number = np.bincount(blocks)
         middle = np.stack([np.bincount(blocks, c) / number for c in points.T], axis=1)
-        of_blocks = _hull_corners(geometry, np.repeat(blocks, np.diff(starts)), vertices, middle)
+        owner = np.repeat(blocks, np.diff(starts))
+        of_blocks = _hull_corners(geometry, owner, vertices, middle, distinct)
     return HullCorners(
         vertices=vertices,
         starts=starts,
-        n_vertices=len(geometry.vertices),
+        distinct=distinct,
         blocks=frozen(blocks),
         of_blocks=of_blocks,
     )
@@ -161,16 +176,21 @@ def _corners(geometry: Geometry, owner: IntArray, vertices: IntArray) -> tuple[I
     """
     from scipy.spatial import ConvexHull, QhullError
 
-    pairs = np.unique(owner * len(geometry.vertices) + vertices)
+    pairs = np.sort(owner * len(geometry.vertices) + vertices)
+    pairs = pairs[np.diff(pairs, prepend=-1) > 0]  # np.unique takes twenty times as long
     owners, numbers = np.divmod(pairs, len(geometry.vertices))
-    bounds = np.searchsorted(owners, np.arange(int(owner.max()) + 2))
-    kept = []
-    for first, last in pairwise(bounds):
-        mine = numbers[first:last]
-        if len(mine) > 4:
-            corners = geometry.vertices[mine]
-            with suppress(QhullError):  # a flat group keeps all
-                mine = np.sort(mine[ConvexHull(corners - corners.mean(axis=0)).vertices])
-        kept.append(mine)
+    bounds = np.searchsorted(owners, np.arange(int(owners[-1]) + 2))
+    kept = [numbers] * (len(bounds) - 1)
+
+    def find(first: int, end: int) -> None:
+        for k in range(first, end):
+            mine = numbers[bounds[k] : bounds[k + 1]]
+            if len(mine) > 4:
+                corners = geometry.vertices[mine]
+                with suppress(QhullError):  # a flat group keeps all
+                    mine = np.sort(mine[ConvexHull(corners - corners.mean(axis=0)).vertices])
+            kept[k] = mine
+
+    over_rows(find, len(kept), seconds=_SECONDS * len(kept))
     starts = np.concatenate([[0], np.cumsum([len(mine) for mine in kept])])
     return frozen(np.concatenate(kept).astype(np.int64)), frozen(starts)

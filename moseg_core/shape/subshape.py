@@ -15,9 +15,9 @@ from dataclasses import replace
 import numpy as np
 
 from moseg_core.errors import ShapeError
-from moseg_core.shape.adjacency import Adjacency, ranges
+from moseg_core.shape.adjacency import Adjacency
 from moseg_core.shape.cloud import PointCloud
-from moseg_core.shape.geometry import Geometry
+from moseg_core.shape.geometry import Geometry, ranges
 from moseg_core.shape.mesh import PolygonMesh
 from moseg_core.shape.shape import Shape
 from moseg_core.shape.volume.derived import part_volume

@@ -15,7 +15,7 @@ angle to the coordinates; what is measured of them holds for any three steps tha
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, ClassVar, Literal, get_args
@@ -24,17 +24,16 @@ import numpy as np
 import numpy.typing as npt
 
 from moseg_core.errors import ShapeError, UsageError, unknown
+from moseg_core.shape.cell_corners import NOTHING, corner_numbers, outer_points, used_points
 from moseg_core.shape.geometry import ARRAYS, FARTHEST, Geometry
 from moseg_core.types import BoolArray, FloatArray, IntArray, frozen
 
 Elements = Literal["solid", "surface"]
 
-# The corners of a cell: those of number k are at the bits of k.
-_CORNERS = np.array([[k >> 2 & 1, k >> 1 & 1, k & 1] for k in range(8)])
-
 _MADE = (*ARRAYS, "cells")
 _OTHERS = ((1, 2), (0, 2), (0, 1))
 _SMALLEST = 1e-50
+_OTHER = NOTHING - 1  # an element of no group
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -91,12 +90,10 @@ class VoxelGrid(Geometry):
             made = {"cells": np.argwhere(self.is_element)}
         elif name == "offsets":
             made = {"offsets": 8 * np.arange(self.n_elements + 1)}
-        elif name in ("vertices", "corners"):
-            vertices, corners = _corners(self.cells, self.occupied.shape)
-            made = {
-                "vertices": self.origin + _stepped(vertices, self.steps),
-                "corners": corners.reshape(-1),
-            }
+        elif name == "vertices":
+            made = {"vertices": self.origin + _stepped(_indices(self._used_points), self.steps)}
+        elif name == "corners":
+            made = {"corners": np.concatenate([*self.corners_in_pieces()])}
         else:
             triangles, owner = _triangles(
                 self.cells, self.corners.reshape(-1, 8), _exposed(self.occupied)
@@ -119,6 +116,11 @@ class VoxelGrid(Geometry):
     def n_elements(self) -> int:
         """Number of elements, F."""
         return int(np.count_nonzero(self.is_element))
+
+    @property
+    def used_vertices(self) -> FloatArray:
+        """(V, 3) float, model units: all vertices, since each is a corner of an element."""
+        return self.vertices
 
     @property
     def box(self) -> tuple[FloatArray, FloatArray]:
@@ -234,7 +236,32 @@ class VoxelGrid(Geometry):
     @cached_property
     def centers(self) -> FloatArray:
         """(F, 3) float, model units: the middle of each element."""
-        return frozen(self.origin + _stepped(self.cells + 0.5, self.steps))
+        made = self.__dict__.get("cells")
+        cells = np.argwhere(self.is_element) if made is None else made
+        return frozen(self.origin + _stepped(cells + 0.5, self.steps))
+
+    @property
+    def _used_points(self) -> BoolArray:
+        """(nx + 1, ny + 1, nz + 1) bool: the lattice points that are vertices."""
+        return used_points(self.is_element)
+
+    def corners_in_pieces(self) -> Iterator[IntArray]:
+        """The corners of all elements, a stretch of them at a time; they are not kept."""
+        if "corners" in self.__dict__:
+            yield self.corners
+        else:
+            yield from (rows.reshape(-1) for rows in corner_numbers(self.is_element))
+
+    def used_by(self, elements: IntArray) -> BoolArray:
+        """(V,) bool: the vertices that some elements have."""
+        chosen = np.zeros(self.n_elements, np.bool_)
+        chosen[elements] = True
+        used: BoolArray = used_points(self.spread(chosen, 0))[self._used_points]
+        return used
+
+    def outer_corners(self, groups: IntArray) -> tuple[IntArray, IntArray]:
+        """Vertices of groups of elements, without those between two others next to them."""
+        return outer_points(self.spread(np.where(groups < 0, _OTHER, groups), NOTHING))
 
     def spread(self, values: npt.NDArray[Any], rest: int) -> npt.NDArray[Any]:
         """(nx, ny, nz): one value for each element at its place in the grid, else `rest`.
@@ -310,16 +337,9 @@ def _exposed(filled: BoolArray) -> BoolArray:
     return faces
 
 
-def _corners(cells: IntArray, shape: tuple[int, ...]) -> tuple[IntArray, IntArray]:
-    """Distinct corners of some cells as lattice points, and the (F, 8) numbers of each cell's."""
-    size = np.array(shape) + 1
-    weights = np.array([size[1] * size[2], size[2], 1])
-    code = (cells @ weights)[:, None] + _CORNERS @ weights
-    used = np.zeros(int(size.prod()), np.bool_)
-    used[code] = True
-    number = np.cumsum(used) - 1
-    lattice = np.stack(np.unravel_index(np.flatnonzero(used), tuple(size)), axis=1)
-    return lattice, number[code]
+def _indices(points: BoolArray) -> IntArray:
+    """(n, 3) int: where in an array true values are, in C order, a row for each."""
+    return np.stack(np.nonzero(points), axis=1)
 
 
 def _triangles(cells: IntArray, corners: IntArray, exposed: BoolArray) -> tuple[IntArray, IntArray]:

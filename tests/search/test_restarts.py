@@ -276,9 +276,12 @@ def on_sheet(text="area(a)"):
     return ProblemEvaluator(COARSE, problem, Voronoi(COARSE, 2), input=whole), whole
 
 
-def finished(ends, *, deadline=0.0):
+def finished(ends, *, deadline=0.0, finer=None):
     """What `finish` makes of ends: elements of the two centres, claimed cost, reason."""
     coarse, whole = on_sheet()
+    fine = whole
+    if finer is not None:
+        fine = ProblemEvaluator(finer, whole.problem, Voronoi(finer, 2), input=whole)
     outcomes = [
         RunOutcome(
             vector=coarse.parameterization.encode(
@@ -293,7 +296,7 @@ def finished(ends, *, deadline=0.0):
     ]
     plan = Plan(
         coarse=coarse,
-        fine=whole,
+        fine=fine,
         whole=whole,
         ready={"optimizer": stranger("optimizer", Staying)},
         restarts=len(ends),
@@ -310,6 +313,9 @@ def finished(ends, *, deadline=0.0):
     class Here:
         def map(self, name, arguments, **more):
             return [plan.polish(*given, report=never_stop) for given in arguments]
+
+        def release(self):
+            pass
 
     best = finish(plan, outcomes, Here() if deadline is None else tracked)
     exact = [whole.evaluate_labels(whole.labels(outcome.vector)).cost for outcome in outcomes]
@@ -341,6 +347,14 @@ def test_starts_that_were_dropped_are_taken_up_where_every_finalist_loses_a_part
     assert number == expected
     assert best.cost == exact[expected]
     assert best.reason == ("evaluations" if expected else "converged")
+
+
+def test_what_was_polished_on_a_finer_level_costs_what_it_does_on_the_whole():
+    ends = [(SMALL, 5.0, "converged")]
+    best, _, exact = finished(ends, deadline=None, finer=coarsen(SHEET, 150))
+    _, whole = on_sheet()
+    assert best.history["polish"]
+    assert best.cost == whole.evaluate(best.vector).cost <= exact[0]
 
 
 def test_the_best_two_are_polished_while_there_is_time():

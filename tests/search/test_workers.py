@@ -374,3 +374,16 @@ def test_processes_go_on_where_this_one_winds_up_when_told_to_end():
             assert workers.map("told", [(0,), (1,)]) == [0, 1]
     finally:
         signal.signal(signal.SIGTERM, before)
+
+
+def test_processes_made_after_others_were_released_know_what_this_one_knows():
+    known = ["before"]
+    with Workers({"tell": lambda report: (os.getpid(), *known)}, 2, never_stop) as workers:
+        first = workers.map("tell", [(), ()])
+        known.append("after")
+        assert {said[1:] for said in workers.map("tell", [(), ()])} == {("before",)}
+        workers.release()
+        second = workers.map("tell", [(), ()])
+    assert {said[1:] for said in first} == {("before",)}
+    assert {said[1:] for said in second} == {("before", "after")}
+    assert not {said[0] for said in first} & {said[0] for said in second}

@@ -209,3 +209,23 @@ def test_near_pairs_do_not_bridge_to_a_sparser_sheet():
     sparse = np.array([[0.5, 0.5, 0.3]])
     pairs = near_pairs(np.concatenate([dense, sparse]), 6)
     assert 100 not in pairs
+
+
+@pytest.mark.parametrize("name", ["tee", "two boxes", "soup", "sphere"])
+def test_groups_touch_where_some_of_their_elements_do(name):
+    adjacency = mesh_adjacency(PolygonMesh.from_faces(*SHAPES[name]))
+    members = np.random.default_rng(1).permutation(adjacency.n_elements) // 2
+    count = int(members.max()) + 1
+    near = [set() for _ in range(count)]
+    for a, b in adjacency.pairs:
+        near[members[a]] |= {int(members[b])} - {int(members[a])}
+    grouped = adjacency.grouped(members, count)
+    assert lists(grouped) == [sorted(some) for some in near]
+    assert grouped.indptr.dtype == grouped.indices.dtype == np.int32
+
+
+def test_pieces_of_some_elements_are_numbered_by_their_first():
+    chain = Adjacency.from_pairs(np.array([[0, 1], [1, 2], [2, 3], [3, 4], [4, 5]]), 6)
+    count, piece = chain.components(np.array([0, 1, 3, 5]))
+    assert (count, piece.tolist()) == (3, [0, 0, 1, 2])
+    assert chain.components()[1].tolist() == [0] * 6

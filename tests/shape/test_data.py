@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import hashlib
+
 import numpy as np
 import pytest
 
+import moseg_core as moseg
 from moseg_core.errors import ShapeError
 from moseg_core.shape.coarse import coarsen
 from moseg_core.shape.data import Frame
@@ -69,3 +72,25 @@ def test_what_is_printed():
     assert repr(BALL) == "Shape(ball: 1280 elements, area 12.5065, volume 4.15274)"
     assert repr(Shape.from_mesh(*shapes.disc())).endswith("no volume)")
     assert repr(coarsen(BALL, 40)).endswith(", coarse40)")
+
+
+def test_what_was_asked_of_one_version_is_made_of_another():
+    shape = moseg.load(moseg.sample_path("hammer"))
+    coarse = moseg.coarsen(shape, 50)
+    coarse.make_ready(like=shape)
+    assert not {"hull_corners", "links"} & vars(coarse).keys()
+    assert {"element_hashes", "key"} <= vars(coarse).keys()
+    assert shape.hull_corners is None
+    coarse.make_ready(like=shape)
+    assert "hull_corners" in vars(coarse)
+    assert "links" not in vars(coarse)
+
+
+def test_a_fingerprint_is_of_all_arrays_one_after_the_other():
+    shape = Shape.from_voxels(np.ones((2, 3, 4), bool))
+    geometry = shape.geometry
+    digest = hashlib.sha256()
+    for array in (geometry.vertices, geometry.corners, geometry.offsets):
+        digest.update(array.tobytes())
+    digest.update(b"voxel grid" + shape.areas.tobytes())
+    assert shape.fingerprint == digest.hexdigest()[:16]

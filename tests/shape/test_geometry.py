@@ -74,3 +74,32 @@ def test_equal_positions_have_equal_numbers(places):
         for b, second in enumerate(places):
             assert (numbers[a] == numbers[b]) == (first == second)
     assert set(numbers) == set(range(len(set(places))))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_vertices_of_some_elements(kind):
+    geometry = KINDS[kind]
+    elements = np.arange(0, geometry.n_elements, 3)
+    own = {
+        int(vertex)
+        for element in elements
+        for vertex in geometry.corners[geometry.offsets[element] : geometry.offsets[element + 1]]
+    }
+    assert set(np.flatnonzero(geometry.used_by(elements)).tolist()) == own
+    assert np.concatenate([*geometry.corners_in_pieces()]).tolist() == geometry.corners.tolist()
+    every = geometry.vertices[np.unique(geometry.corners)]
+    np.testing.assert_array_equal(geometry.used_vertices, every)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_outer_corners_hold_those_farthest_out_of_each_group(kind):
+    geometry = KINDS[kind]
+    groups = np.arange(geometry.n_elements) % 3 - 1  # a third of them in no group
+    owner, vertex = geometry.outer_corners(groups)
+    assert set(owner.tolist()) == {0, 1}
+    for group in (0, 1):
+        few = geometry.vertices[np.unique(vertex[owner == group])]
+        every = geometry.vertices[geometry.used_by(np.flatnonzero(groups == group))]
+        assert {row.tobytes() for row in few} <= {row.tobytes() for row in every}
+        for way in np.random.default_rng(0).normal(size=(50, 3)):
+            assert (few @ way).max() == pytest.approx((every @ way).max(), rel=1e-12)

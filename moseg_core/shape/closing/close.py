@@ -23,9 +23,9 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse import csgraph
 
-from moseg_core.shape.adjacency import ranges
 from moseg_core.shape.closing.fill import bridged, edges_of, fill
 from moseg_core.shape.closing.rims import Rim, caps_of, find_rims
+from moseg_core.shape.geometry import ranges
 from moseg_core.shape.mesh import PolygonMesh
 from moseg_core.shape.volume.orientation import EdgeUses, turned_faces
 from moseg_core.shape.volume.twins import one_of_each

@@ -158,7 +158,7 @@ def _inside(geometry: Geometry, samples: int) -> float | None:
     samples : int
         About how many places to look at.
     """
-    vertices = geometry.vertices[np.unique(geometry.corners)]
+    vertices = geometry.used_vertices
     middle = vertices.mean(axis=0)
     axes = np.linalg.svd(np.cov((vertices - middle).T))[0]
     local = (vertices - middle) @ axes

@@ -53,7 +53,7 @@ def hulls_volume(geometry: Geometry) -> tuple[float, int]:
     >>> round(volume, 6), pieces
     (0.166667, 1)
     """
-    vertices = geometry.vertices[np.unique(geometry.corners)]
+    vertices = geometry.used_vertices
     middle, size = vertices.mean(axis=0), float(np.ptp(vertices, axis=0).max())
     if size == 0.0:
         return 0.0, 1
