@@ -58,8 +58,11 @@ def numbers_of(parts, levels):
     return (hashes * times).sum(axis=1, dtype=np.uint64) % np.uint64(levels)
 
 
-def made(arity, range_, cost, *, levels=5, calls=None, vectorized=False):
-    """An objective of arbitrary values in its range, few of them, so that costs tie."""
+def made(arity, range_, cost, *, levels=5, calls=None, vectorized=False, bounded=False):
+    """An objective of arbitrary values in its range, few of them, so that costs tie.
+
+    Where it has lower bounds, some are the values, others below them and below the range.
+    """
     low, high = range_
 
     def of_share(share):
@@ -83,10 +86,12 @@ def made(arity, range_, cost, *, levels=5, calls=None, vectorized=False):
             calls.append(tuple(part.membership for part in parts))
         return of_share(number_of(parts, levels) / (levels - 1))
 
-    form = all_arbitrary if vectorized else None
-    return FunctionObjective(
-        arbitrary, Traits(arity=arity, range=range_, cost=cost, vectorized=form)
-    )
+    def all_at_least(parts):
+        return all_arbitrary(parts) - numbers_of(parts, 3)
+
+    form, bound = all_arbitrary if vectorized else None, all_at_least if bounded else None
+    traits = Traits(arity=arity, range=range_, cost=cost, vectorized=form, at_least=bound)
+    return FunctionObjective(arbitrary, traits)
 
 
 def evaluator_of(problem, labellings, **options):
@@ -139,7 +144,7 @@ def lower_by_exchange(problem, shape, labels):
 def problems(draw):
     """A problem of 1 to 3 labels with terms of all kinds, and a batch of labellings for it.
 
-    Of the objectives some have a vectorised form, often all or none.
+    Of the objectives some have a vectorised form, often all or none, and some lower bounds.
     """
     n = draw(st.integers(1, 3))
     names = ["a", "b", "c"][:n]
@@ -154,6 +159,7 @@ def problems(draw):
             draw(st.sampled_from(["cheap", "moderate", "expensive"])),
             levels=draw(st.sampled_from([2, 3, 1000])),
             vectorized=draw(st.sampled_from(vectorized)),
+            bounded=draw(st.booleans()),
         )
         weight = draw(st.sampled_from(["- 3", "- 0.3", "+ 1", "+ 0.1", "+ 10"]))
         count = 0 if arity == "global" else draw(st.integers(2 if arity == "nary" else 1, 3))

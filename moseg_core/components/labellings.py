@@ -28,6 +28,8 @@ from moseg_core.types import BoolArray, FloatArray, Int32Array, IntArray, frozen
 
 #: About how long it takes to add an element, or a link, to a sum.
 _SECONDS = 3e-9
+#: About how long it takes to bound the volume of a hull.
+_SECONDS_OF_HULL = 2e-5
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -240,6 +242,30 @@ class Labellings:
             scales[missing], axes[missing] = _principal_axes(self.summary.moments[missing])
             np.logical_or(known, missing, out=known)
         return scales, axes
+
+    @cached_property
+    def _least_hulls(self) -> tuple[BoolArray, FloatArray]:
+        shape = self.areas.shape
+        return np.zeros(shape, np.bool_), np.zeros(shape)
+
+    def least_hull_volumes(self, wanted: BoolArray) -> FloatArray:
+        """(B, n) float: lower bounds of the volumes of parts' convex hulls, model units cubed.
+
+        Parameters
+        ----------
+        wanted : (B, n) bool
+            The parts whose bounds are needed.
+        """
+        known, volumes = self._least_hulls
+        missing, farthest = wanted & ~known, self.level.farthest_vertices
+        if farthest is not None and missing.any():
+            over_rows(
+                lambda a, b: farthest.least_volumes(self.labels[a:b], missing[a:b], volumes[a:b]),
+                len(self),
+                seconds=_SECONDS_OF_HULL * np.count_nonzero(missing),
+            )
+            np.logical_or(known, missing, out=known)
+        return volumes
 
     @cached_property
     def _along(self) -> dict[Hashable, tuple[FloatArray, FloatArray]]:

@@ -98,6 +98,9 @@ class Traits:
     vectorized : callable or None
         The objective of many calls at once: called with a :class:`moseg_core.PartArray` and the
         parameters, it returns their values.
+    at_least : callable or None
+        Where the values of many calls are bounded from below for less than they cost: called like
+        a vectorised form, it returns a number for each that its value is not below.
     """
 
     arity: Arity
@@ -113,6 +116,7 @@ class Traits:
     mean_of: MeanOf | None = None
     details: DetailsOf | None = None
     vectorized: Vectorized | None = None
+    at_least: Vectorized | None = None
 
     def expected_share(self, parameters: Mapping[str, Any]) -> float | None:
         """The share of the whole area that a part of low value has; None where nothing is said.
@@ -243,6 +247,7 @@ def objective(
     mean_of: MeanOf | None = None,
     details: DetailsOf | None = None,
     vectorized: Vectorized | None = None,
+    at_least: Vectorized | None = None,
 ) -> Callable[[Callable[..., float]], FunctionObjective]:
     """Turn a function of parts into an objective.
 
@@ -277,6 +282,11 @@ def objective(
         A search then asks for the parts of a whole batch of candidates in one call, which may be
         tens of times as fast. Values may differ from the function's own by rounding, and must not
         depend on which other calls they are computed with.
+    at_least : callable, optional
+        Where a value takes long and something that it is not below does not: a function of the
+        same form that returns that for each call. A search then does without the value of a
+        candidate that is too costly even so. Give it where there is no vectorised form, which is
+        asked in its stead.
 
     Returns
     -------
@@ -289,8 +299,8 @@ def objective(
         The first argument's annotation is none of Part, Sequence[Part] and Segmentation.
     ValueError
         A range whose ends are in the wrong order; an unknown requirement, invariance or cost; a
-        share, mean, details or vectorized form that are no function; measures that are no texts;
-        the mean of a field for several parts.
+        share, mean, details, vectorized form or lower bound that are no function; measures that
+        are no texts; the mean of a field for several parts.
 
     Examples
     --------
@@ -324,6 +334,9 @@ def objective(
     if vectorized is not None and not callable(vectorized):
         raise ValueError(f"an objective's vectorized form is a function, not {vectorized!r}")
 
+    if at_least is not None and not callable(at_least):
+        raise ValueError(f"an objective's lower bound is a function, not {at_least!r}")
+
     def decorate(function: Callable[..., float]) -> FunctionObjective:
         arity, count = _read_signature(function)
         if mean_of is not None and arity != "unary":
@@ -343,6 +356,7 @@ def objective(
             mean_of=mean_of,
             details=_spreading(details) if spread and details is not None else details,
             vectorized=vectorized,
+            at_least=at_least,
         )
         made = FunctionObjective(function, traits, spread=spread)
         _ = made.parameters  # so that a parameter of an odd type shows here, not on first use

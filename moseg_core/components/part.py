@@ -16,7 +16,7 @@ super-elements. All that it says of itself is still about the user's shape and i
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -235,7 +235,7 @@ class Part:
         if key not in own:
             demand(self.shape, found.requires, f"measure '{found.id}'")
             if found.keep:
-                whole = (self.membership, *self.level.key, *key)
+                whole = measure_key(self.membership, self.level, *key)
                 own[key] = self.memo.get(whole, lambda: _shared(found.function(self, **parameters)))
             else:
                 own[key] = _shared(found.function(self, **parameters))
@@ -356,6 +356,13 @@ class Part:
         import trimesh
 
         return trimesh.Trimesh(vertices=self.vertices, faces=self.triangles, process=False)
+
+
+def measure_key(
+    membership: tuple[int, int], level: Shape, measure: str, parameters: tuple[Any, ...] = ()
+) -> Hashable:
+    """Under which the value of a measure of a part is remembered."""
+    return (membership, *level.key, measure, parameters)
 
 
 def _shared(value: Any) -> Any:

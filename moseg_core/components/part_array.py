@@ -26,6 +26,8 @@ import numpy as np
 
 from moseg_core.components.field import FieldSummary, field_sums
 from moseg_core.components.labellings import Labellings, signed
+from moseg_core.components.memo import Memo
+from moseg_core.components.part import measure_key
 from moseg_core.shape.shape import Shape
 from moseg_core.types import BoolArray, FloatArray, IntArray, frozen
 
@@ -45,6 +47,8 @@ class PartArray:
         is that of the elements, whatever labels they bear.
     _parts : (k,) or (k, m) int
         Which of its parts.
+    _memo : Memo, optional
+        Where measures are remembered.
 
     Examples
     --------
@@ -65,6 +69,7 @@ class PartArray:
     _labellings: Labellings
     _rows: IntArray
     _parts: IntArray
+    _memo: Memo | None = None
 
     def __len__(self) -> int:
         return len(self._rows)
@@ -115,6 +120,44 @@ class PartArray:
     def axes(self) -> FloatArray:
         """(k, 3, 3) float: unit vectors as rows, see :attr:`Part.axes`."""
         return frozen(signed(self._labellings.axes(self._wanted)[1][self._at]))
+
+    def least_hull_volumes(self, wanted: BoolArray) -> FloatArray:
+        """(k,) float, model units cubed: less than the volumes of some parts' convex hulls.
+
+        One or two percent less, as a rule, and 0 where nothing is known, as of all parts of large
+        meshes: for lower bounds (:func:`moseg_core.objective`), in a fifth of the time of a hull.
+
+        Parameters
+        ----------
+        wanted : (k,) bool
+            Of which parts; what is returned of others does not matter.
+        """
+        rows, parts = np.broadcast_arrays(*self._at)
+        asked = np.zeros(self._labellings.areas.shape, np.bool_)
+        asked[rows[wanted], parts[wanted]] = True
+        volumes: FloatArray = self._labellings.least_hull_volumes(asked)[rows, parts]
+        return volumes
+
+    def remembered(self, measure: str) -> FloatArray:
+        """(k,) float: a measure of each part of which the search remembers it, NaN elsewhere.
+
+        For lower bounds alone: what is remembered differs from run to run, and no value may.
+
+        Parameters
+        ----------
+        measure : str
+            ``bundle:name`` of one whose values are numbers, without parameters.
+        """
+        values = np.full(self._labellings.areas.shape, np.nan)
+        if self._memo is not None:
+            hashes = self._labellings.summary.hashes
+            for row, part in zip(*np.nonzero(self._wanted), strict=True):
+                first, second = hashes[row, part].tolist()
+                known = self._memo.known(measure_key((first, second), self.level, measure))
+                if known is not None:
+                    values[row, part] = known
+        found: FloatArray = values[self._at]
+        return found
 
     def field(self, name: str, **parameters: Any) -> FieldSummary[FloatArray]:
         """A field over each part: mean, spread, least and greatest value, (k,) float each.

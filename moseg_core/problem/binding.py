@@ -90,6 +90,12 @@ class BoundTerm:
         return self.objective.traits.vectorized
 
     @property
+    def at_least(self) -> Vectorized | None:
+        """What bounds the objective's values from below, where that bounds the cost."""
+        traits = self.objective.traits
+        return traits.at_least if traits.vectorized is None and self.weight > 0 else None
+
+    @property
     def fields(self) -> tuple[str, ...]:
         """Ids of the fields that the objective says it reads.
 

@@ -21,6 +21,7 @@ from moseg_core.components.at_work import at_work
 from moseg_core.components.detail import Detail
 from moseg_core.components.faults import describe, is_fault, place, safe_repr
 from moseg_core.components.labellings import Labellings
+from moseg_core.components.memo import Memo
 from moseg_core.components.part_array import PartArray
 from moseg_core.components.profile import timed
 from moseg_core.components.real_number import described, real_number
@@ -96,7 +97,13 @@ def term_values(
 
 
 def all_term_values(
-    term: BoundTerm, labellings: Labellings, rows: IntArray, orders: IntArray, empty: BoolArray
+    term: BoundTerm,
+    labellings: Labellings,
+    rows: IntArray,
+    orders: IntArray,
+    empty: BoolArray,
+    *,
+    bounded_by: Memo | None = None,
 ) -> list[list[float | None]]:
     """The values of all calls of a vectorised term on several candidates.
 
@@ -110,6 +117,9 @@ def all_term_values(
         Which of its parts bears each label.
     empty : (C, n) bool
         Which labels have an empty part.
+    bounded_by : Memo, optional
+        Given where lower bounds are asked for instead, of a term that has those: what is remembered
+        of parts makes them better.
 
     Raises
     ------
@@ -121,10 +131,12 @@ def all_term_values(
     count, sound = len(calls), ~empty[:, calls].any(axis=2)
     repeated, members = np.repeat(rows, count), orders[:, calls].reshape(-1, calls.shape[1])
     if sound.all():
-        values = vectorized_values(term, labellings, repeated, members)
+        values = vectorized_values(term, labellings, repeated, members, bounded_by=bounded_by)
         return [list(row) for row in values.reshape(-1, count).tolist()]
     kept = np.flatnonzero(sound)
-    some = vectorized_values(term, labellings, repeated[kept], members[kept]).tolist()
+    some = vectorized_values(
+        term, labellings, repeated[kept], members[kept], bounded_by=bounded_by
+    ).tolist()
     flat: list[float | None] = [None] * sound.size
     for k, value in zip(kept.tolist(), some, strict=True):
         flat[k] = value
@@ -132,7 +144,12 @@ def all_term_values(
 
 
 def vectorized_values(
-    term: BoundTerm, labellings: Labellings, rows: IntArray, members: IntArray
+    term: BoundTerm,
+    labellings: Labellings,
+    rows: IntArray,
+    members: IntArray,
+    *,
+    bounded_by: Memo | None = None,
 ) -> FloatArray:
     """(k,) float: the values of calls of a vectorised term, of parts none of which is empty.
 
@@ -146,6 +163,9 @@ def vectorized_values(
         The labelling that each call is about.
     members : (k, m) int
         The parts that each is given.
+    bounded_by : Memo, optional
+        Given where lower bounds are asked for instead, of a term that has those: what is remembered
+        of parts makes them better.
 
     Raises
     ------
@@ -158,25 +178,33 @@ def vectorized_values(
         n = labellings.n_parts
         first_rows, first_parts = labellings.first(rows, members[:, 0])
         distinct, which = np.unique(first_rows * n + first_parts, return_inverse=True)
-        return _answered(term, labellings, distinct // n, distinct[:, None] % n)[which]
-    return _answered(term, labellings, rows, members)
+        return _answered(term, labellings, distinct // n, distinct[:, None] % n, bounded_by)[which]
+    return _answered(term, labellings, rows, members, bounded_by)
 
 
 def _answered(
-    term: BoundTerm, labellings: Labellings, rows: IntArray, members: IntArray
+    term: BoundTerm,
+    labellings: Labellings,
+    rows: IntArray,
+    members: IntArray,
+    bounded_by: Memo | None,
 ) -> FloatArray:
     """(k,) float: what the vectorised form answers, once it is known to be k numbers in range."""
     parts = members[:, 0] if term.arity == "unary" else members
-    array = PartArray(_labellings=labellings.view(term.space), _rows=rows, _parts=parts)
-    who = f"the vectorized form of objective '{term.id}' of {term.distribution}"
+    array = PartArray(
+        _labellings=labellings.view(term.space), _rows=rows, _parts=parts, _memo=bounded_by
+    )
+    what = "vectorized form" if bounded_by is None else "lower bound"
+    who = f"the {what} of objective '{term.id}' of {term.distribution}"
     where = f"'{term.term.call}'"
     doing = f"{who} in {where}"
-    assert term.vectorized is not None  # callers have looked
+    form = term.vectorized if bounded_by is None else term.at_least
+    assert form is not None  # callers have looked
     try:
         profiled = timed("term", term.written, term.distribution, calls=len(rows))
         watched = under_watch(doing)
         with at_work(doing), watched, profiled, without_side_effects(who), limited(doing):
-            returned = term.vectorized(array, **term.parameters)
+            returned = form(array, **term.parameters)
     except UsageError as error:
         raise UsageError(f"in {where}: {error}") from error
     except LackError as error:
@@ -200,6 +228,8 @@ def _answered(
         )
     values: FloatArray = given.astype(np.float64)
     low, high = term.objective.traits.range
+    if bounded_by is not None:  # to be below the range is to know nothing
+        values = np.maximum(values, low)
     if not (np.isfinite(values) & (values >= low) & (values <= high)).all():
         values = np.array([_in_range(value, term, where) for value in values.tolist()])
     return values

@@ -25,6 +25,7 @@ from moseg_core.errors import ShapeError
 from moseg_core.shape.adjacency import Adjacency
 from moseg_core.shape.geometry import Geometry, ranges
 from moseg_core.shape.hull_corners import HullCorners, find_hull_corners
+from moseg_core.shape.inscribed import FarthestVertices
 from moseg_core.shape.links import Links, find_links
 from moseg_core.shape.mesh import PolygonMesh
 from moseg_core.shape.moments import cell_measure
@@ -289,6 +290,19 @@ class ShapeData:
         if self.members is None:
             return None
         return find_hull_corners(self.geometry, self.members, self.points)
+
+    @property
+    def farthest_vertices(self) -> FarthestVertices | None:
+        """How far elements reach in all directions; None where there are too many for a table."""
+        key = "farthest vertices"
+        if key not in self.made_from:
+            corners, starts = self.geometry.corners, self.geometry.offsets
+            if self.hull_corners is not None:
+                corners, starts = self.hull_corners.vertices, self.hull_corners.starts
+            vertices = self.geometry.vertices - self.frame.center
+            self.made_from[key] = FarthestVertices.of(self.points, vertices, corners, starts)
+        found: FarthestVertices | None = self.made_from[key]
+        return found
 
     @cached_property
     def links(self) -> Links:

@@ -142,6 +142,16 @@ def test_an_objective_may_have_a_vectorised_form():
         objective(vectorized="sizes")
 
 
+def test_an_objective_may_bound_its_values():
+    def sizes(parts):
+        return parts.areas
+
+    assert one.traits.at_least is None
+    assert objective(range=(0, 9), at_least=sizes)(size).traits.at_least is sizes
+    with pytest.raises(ValueError, match="lower bound is a function, not 3"):
+        objective(at_least=3)
+
+
 @pytest.mark.parametrize(
     "field", ["a:b", ("a:b",), ("a:b", {}, {}), ["a:b", {}], ("a:b", None), (1, {}), True]
 )

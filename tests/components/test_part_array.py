@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import itertools
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from moseg_core.components.memo import Memo
+from moseg_core.components.part import measure_key
 from moseg_core.components.part_array import PartArray
 from moseg_core.components.segmentation import Segmentation
 from moseg_core.errors import ShapeError
@@ -149,3 +152,35 @@ def test_a_shape_that_lacks_neighbours_is_named():
     ):
         with pytest.raises(ShapeError):
             ask()
+
+
+@given(st.sampled_from(list(LEVELS)), st.integers(0, 99))
+@settings(max_examples=25, deadline=None)
+def test_least_hull_volumes_are_those_of_the_parts_whatever_else_is_asked(name, seed):
+    level = LEVELS[name]
+    labels = random_labels(level, seed, 3)
+    array, _ = arrayed(level, labels, 3, [(b, (0, 1, 2)) for b in range(2)])
+    all_of_them = array.least_hull_volumes(np.ones((2, 3), bool))
+    assert (all_of_them >= 0.0).all()
+    for b, k in itertools.product(range(2), range(3)):
+        alone, _ = arrayed(level, labels[b : b + 1], 3, [(0, k)])
+        assert alone.least_hull_volumes(np.ones(1, bool)).tolist() == [all_of_them[b, k]]
+    some, _ = arrayed(level, labels, 3, [(b, (2, 0)) for b in range(2)])
+    wanted = np.random.default_rng(seed).random((2, 2)) < 0.5
+    found = some.least_hull_volumes(wanted)
+    assert found[wanted].tolist() == all_of_them[:, [2, 0]][wanted].tolist()
+
+
+def test_what_is_remembered_of_parts():
+    level = next(iter(LEVELS.values()))
+    labels, memo = random_labels(level, 0, 2), Memo()
+    calls = [(0, (0, 1)), (1, (1, 0))]
+    array, _ = arrayed(level, labels, 2, calls)
+    assert np.isnan(array.remembered("basic:hull_volume")).all()
+    array = replace(array, _memo=memo)
+    assert np.isnan(array.remembered("basic:hull_volume")).all()
+    first = Segmentation.from_labels(level, labels[0], 2, memo=memo, lookup=LOOKUP).parts[1]
+    memo.get(measure_key(first.membership, level, "basic:hull_volume"), lambda: 2.5)
+    found = array.remembered("basic:hull_volume")
+    assert np.isnan(found).tolist() == [[True, False], [True, True]]
+    assert found[0, 1] == 2.5

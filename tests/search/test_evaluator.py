@@ -17,7 +17,7 @@ from moseg_core.components.cost import Cost
 from moseg_core.components.discovery.registry import Bundle, Component, Registry
 from moseg_core.components.discovery.specs import FieldSpec, MeasureSpec, ObjectiveSpec
 from moseg_core.components.memo import Memo
-from moseg_core.components.objectives import objective
+from moseg_core.components.objectives import FunctionObjective, objective
 from moseg_core.components.part import Part
 from moseg_core.components.protocols import Batch, Centers
 from moseg_core.errors import PluginError, ShapeError
@@ -133,6 +133,48 @@ def test_with_a_negative_weight_the_upper_end_of_the_range_is_what_counts():
     # 2 for the first; the second could come to 4 - 3, the third cannot come below 3.
     assert calls == [1, 2]
     assert found == [Cost(0, 2.0), Cost(0, 4.0), *(Cost(0, 2.0 * k - 3) for k in range(3, 8))]
+
+
+@pytest.mark.parametrize(
+    ("cutoff", "expected"), [(None, [1, 2, 3]), (Cost(0, 7.5), [1, 2, 3, 4]), (Cost(0, 2.5), [])]
+)
+def test_a_lower_bound_stands_in_for_the_least_value(cutoff, expected):
+    # Costs of 6, 7, 8 and so on, known to be no less than 2.5, 4, 5.5 and so on.
+    plain, calls = counted(0, INF, lambda part: 5.0)
+    traits = replace(plain.traits, at_least=lambda parts: 0.5 * parts.areas + 1.0)
+    slow = FunctionObjective(plain._function, traits)
+    problem = Problem(["a", "b"], "slow(a) + area(a)", objectives={"slow": slow, "area": area})
+    batch = Batch(vectors=numbers(7), cutoff=cutoff, best_only=cutoff is None)
+    found = evaluator_of(problem, GROWING).costs(batch)
+    assert calls == expected
+    exact = [Cost(0, k + 5.0) for k in range(1, 8)]
+    assert found[: len(calls)] == exact[: len(calls)]
+    assert all(cost <= true for cost, true in zip(found, exact, strict=True))
+
+
+def test_a_lower_bound_of_what_is_wanted_high_is_not_asked():
+    def at_least(parts):
+        raise AssertionError("nobody asks")
+
+    fair = objective(range=(0, 9), at_least=at_least)(area._function)
+    problem = Problem(["a", "b"], "-fair(a)", objectives={"fair": fair})
+    evaluator_of(problem, GROWING).costs(Batch(vectors=numbers(7), best_only=True))
+
+
+@pytest.mark.parametrize(
+    ("answer", "says"),
+    [
+        (lambda parts: parts.areas[0], "must return an array of 7 real numbers"),
+        (lambda parts: np.full(len(parts), np.nan), "values must be finite"),
+        (lambda parts: parts.areas + 99.0, "it declares values from 0 to 9"),
+        (lambda parts: 1 / 0, "the lower bound of objective 'python:fair' .* ZeroDivisionError"),
+    ],
+)
+def test_a_lower_bound_that_is_none_is_named(answer, says):
+    fair = objective(range=(0, 9), at_least=answer)(area._function)
+    problem = Problem(["a", "b"], "fair(a)", objectives={"fair": fair})
+    with pytest.raises(PluginError, match=says):
+        evaluator_of(problem, GROWING).costs(Batch(vectors=numbers(7), best_only=True))
 
 
 @pytest.mark.parametrize(

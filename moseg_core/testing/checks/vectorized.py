@@ -4,6 +4,8 @@ A search asks the vectorised form alone, about the parts of a whole batch of can
 of objectives try and document the plain one. So both must agree, on all that the core may ask of
 the zoo, which has a shape of super-elements. And since batches are put together as it suits the
 search, a value must not depend, to the last bit, on which other calls it is computed with.
+
+A lower bound that is asked in the same way may be anything that values are not below.
 """
 
 from __future__ import annotations
@@ -16,6 +18,7 @@ import numpy as np
 
 from moseg_core.components.discovery.lookup import Lookup
 from moseg_core.components.labellings import Labellings
+from moseg_core.components.objectives import Traits
 from moseg_core.components.part_array import PartArray
 from moseg_core.components.protocols import Objective
 from moseg_core.components.requirements import lack
@@ -39,6 +42,22 @@ def _vectorized_equals_single(subject: Subject) -> None:
     """A search goes by the vectorised form, and by whichever calls come together in a batch."""
     if subject.load().traits.vectorized is None:
         raise Skip("it has no vectorised form")
+    _on_all_shapes(subject, _compare)
+
+
+@check("objective-not-below-its-bound", kinds=["objective"])
+def _not_below_its_bound(subject: Subject) -> None:
+    """A search drops a candidate whose lower bound is too high, and never asks for its value."""
+    if subject.load().traits.at_least is None:
+        raise Skip("it has no lower bound")
+    _on_all_shapes(subject, _compare_bounds)
+
+
+def _on_all_shapes(
+    subject: Subject,
+    compare: Callable[[Subject, Shape, list[Int32Array], Mapping[str, Any]], None],
+) -> None:
+    """Compare forms on the zoo, with labellings of as many parts each."""
     needed = required_elsewhere(subject)
     for name in ZOO:
         shape = specimen(name)
@@ -48,7 +67,7 @@ def _vectorized_equals_single(subject: Subject) -> None:
         asked = allowed_parameters(subject) if name in ("lump", "sample") else [required(subject)]
         for rows in _by_number_of_parts(shape):
             for given in asked:
-                _compare(subject, shape, rows, given)
+                compare(subject, shape, rows, given)
 
 
 def _by_number_of_parts(shape: Shape) -> list[list[Int32Array]]:
@@ -65,21 +84,11 @@ def _compare(
     subject: Subject, shape: Shape, rows: list[Int32Array], given: Mapping[str, Any]
 ) -> None:
     """Complain where the vectorised form, asked about all calls or some, says something else."""
-    target: Objective = subject.load()
-    singles: dict[int, dict[Call, Any]] = defaultdict(dict)  # by how many parts a call has
-    for b, labels in enumerate(rows):
-        segmentation = segmented(subject, shape, labels)
-        for parts in calls_on(target, segmentation).values():
-            several = parts if isinstance(parts, tuple) else segmentation.parts
-            members = [parts] if target.traits.arity == "unary" else several
-            numbers = tuple(segmentation.parts.index(part) for part in members)
-            value = attempt(target, parts, **given)
-            if not isinstance(value, Raised):  # other checks say so
-                singles[len(numbers)][b, numbers] = value
+    form = subject.load().traits.vectorized
     said = format_call("", parameters=given.items()) or "no parameters"
-    for values in singles.values():
+    for values in _singles(subject, shape, rows, given):
         calls = list(values)
-        together = _asked(subject, shape, rows, calls, given)
+        together = _asked(subject, form, shape, rows, calls, given)
         titles = [_title(shape, *call) for call in calls]
         expect_same(
             dict(zip(titles, values.values(), strict=True)),
@@ -88,8 +97,8 @@ def _compare(
             fix="compute the same by arrays; the first axis counts calls, the second the parts of"
             " each, and parameters that are not given have the same defaults",
         )
-        alone = [_asked(subject, shape, rows, [call], given)[0] for call in calls]
-        turned = _asked(subject, shape, rows, calls[::-2], given)
+        alone = [_asked(subject, form, shape, rows, [call], given)[0] for call in calls]
+        turned = _asked(subject, form, shape, rows, calls[::-2], given)
         expected = dict(zip(titles, together, strict=True))
         for answers, how in (
             (dict(zip(titles, alone, strict=True)), "one call at a time"),
@@ -108,14 +117,51 @@ def _compare(
                 )
 
 
+def _compare_bounds(
+    subject: Subject, shape: Shape, rows: list[Int32Array], given: Mapping[str, Any]
+) -> None:
+    """Complain where a value is below the lower bound."""
+    form = subject.load().traits.at_least
+    for values in _singles(subject, shape, rows, given):
+        calls = list(values)
+        bounds = _asked(subject, form, shape, rows, calls, given)
+        for call, bound in zip(calls, bounds, strict=True):
+            if not bound <= values[call]:
+                raise ContractFailure(
+                    did=f"its lower bound was asked about {_title(shape, *call)}",
+                    got=f"{bound!r}",
+                    expected=f"at most its value, {values[call]!r}",
+                    fix="return something that is less than the value whatever rounding does",
+                )
+
+
+def _singles(
+    subject: Subject, shape: Shape, rows: list[Int32Array], given: Mapping[str, Any]
+) -> list[dict[Call, Any]]:
+    """The values of all calls, for each number of parts that a call has."""
+    target: Objective = subject.load()
+    singles: dict[int, dict[Call, Any]] = defaultdict(dict)  # by how many parts a call has
+    for b, labels in enumerate(rows):
+        segmentation = segmented(subject, shape, labels)
+        for parts in calls_on(target, segmentation).values():
+            several = parts if isinstance(parts, tuple) else segmentation.parts
+            members = [parts] if target.traits.arity == "unary" else several
+            numbers = tuple(segmentation.parts.index(part) for part in members)
+            value = attempt(target, parts, **given)
+            if not isinstance(value, Raised):  # other checks say so
+                singles[len(numbers)][b, numbers] = value
+    return list(singles.values())
+
+
 def _asked(
     subject: Subject,
+    form: Callable[..., Any],
     shape: Shape,
     rows: list[Int32Array],
     calls: Sequence[Call],
     given: Mapping[str, Any],
 ) -> list[Any]:
-    """What the vectorised form says of certain calls, of labellings that were not looked at yet.
+    """What a vectorised form says of certain calls, of labellings that were not looked at yet.
 
     Raises
     ------
@@ -124,7 +170,6 @@ def _asked(
     """
     traits = subject.load().traits
     count = int(rows[0].max()) + 1
-    form: Callable[..., Any] = traits.vectorized
     members = np.array([numbers for _, numbers in calls])
     array = PartArray(
         _labellings=Labellings.of(shape, np.stack(rows), count, Lookup(subject.registry)),
@@ -134,12 +179,16 @@ def _asked(
     returned = attempt(form, array, **given)
     if isinstance(returned, Raised) or np.shape(returned) != (len(calls),):
         raise ContractFailure(
-            did=f"its vectorised form was asked about {len(calls)} calls on the {shape.name}",
+            did=f"its {_name(traits, form)} was asked about {len(calls)} calls on the {shape.name}",
             got=str(returned) if isinstance(returned, Raised) else f"{returned!r:.80}",
             expected=f"an array of {len(calls)} values, one for each",
             fix="return a value for each call, and write to no array of the parts",
         )
     return list(returned)
+
+
+def _name(traits: Traits, form: object) -> str:
+    return "vectorised form" if form is traits.vectorized else "lower bound"
 
 
 def _title(shape: Shape, row: int, numbers: tuple[int, ...]) -> str:

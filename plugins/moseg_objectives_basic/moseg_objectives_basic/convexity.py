@@ -15,7 +15,8 @@ import math
 
 import numpy as np
 
-from moseg_core import Part, Segmentation, ShapeError, capped_volume, objective
+from moseg_core import Part, PartArray, Segmentation, ShapeError, capped_volume, objective
+from moseg_objectives_basic.arrays import FloatArray, row_sums
 from moseg_objectives_basic.hulls import exact_hull_volume, fast_hull_volume
 
 _FLAT = 1e-12
@@ -59,11 +60,29 @@ def hull_volume(part: Part) -> float:
     return volume((local / size[:, None]).T) * float(size.prod())
 
 
+def least_convex_parts(parts: PartArray) -> FloatArray:
+    """Lower bounds of :func:`convex_parts` for several calls, (k,) float.
+
+    Where hulls that are too small add up to the enclosed volume, the hulls are above it by more;
+    else nothing is known.
+    """
+    volume = parts.shape.volume
+    if volume is None:
+        return np.zeros(len(parts))
+    hulls = parts.remembered("basic:hull_volume")
+    unknown = np.isnan(hulls)
+    hulls = np.where(unknown, parts.least_hull_volumes(unknown), hulls)
+    # Less by more than sums of the same hulls differ by rounding.
+    excess: FloatArray = np.maximum(0.0, (1.0 - 1e-12) * row_sums(hulls) - volume) / volume
+    return excess * excess
+
+
 @objective(
     range=(0, math.inf),
     requires=("volume",),
     invariant_to=("rigid", "scale", "reflection", "order", "tessellation", "labels"),
     cost="moderate",
+    at_least=least_convex_parts,
 )
 def convex_parts(segmentation: Segmentation) -> float:
     """``((sum H(P) - V) / V)^2``: the volume of the hulls against that which the shape encloses.

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import dataclasses
 import itertools
 import math
 
@@ -7,11 +8,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from moseg_objectives_basic import hulls
+from moseg_objectives_basic import convexity, hulls
 from moseg_objectives_basic.convexity import convex_parts, hull_volume
 from scipy.spatial import ConvexHull, QhullError
 from scipy.spatial.transform import Rotation
 
+import moseg_core as moseg
 from moseg_core import MosegError, Problem, Segmentation, Shape, ShapeError
 
 GENERIC = Rotation.from_rotvec([0.4, -1.1, 0.7])
@@ -246,3 +248,25 @@ def test_a_ball_with_a_cap_from_both_sides_is_convex(make):
     shape = Shape.from_mesh(vertices, np.concatenate([faces, cap[:, ::-1]]))
     found = Problem(["a"], "convex(a)").evaluate(shape, [0] * shape.n_elements)
     assert found.cost.value == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_search_leaves_out_hulls_and_finds_the_same(monkeypatch):
+    shape, fast = moseg.load(moseg.sample_path("hammer")), convexity.fast_hull_volume
+    problem = Problem(["a", "b", "c"], "convex_parts + 3*narrow(a) + narrow(b) + compact(c)")
+    found, asked = [], []
+    for at_least in convex_parts.traits.at_least, None:
+        calls = []
+
+        def counted(points, calls=calls):
+            calls.append(len(points))
+            return fast(points)
+
+        traits = dataclasses.replace(convex_parts.traits, at_least=at_least)
+        monkeypatch.setattr(convex_parts, "traits", traits)
+        monkeypatch.setattr(convexity, "fast_hull_volume", counted)
+        found.append(moseg.segment(shape, problem, resolution=500, restarts=1, seed=1))
+        asked.append(len(calls))
+    assert found[0].labels.tolist() == found[1].labels.tolist()
+    assert found[0].history == found[1].history
+    assert found[0].evaluation.cost == found[1].evaluation.cost
+    assert 0 < asked[0] < 0.7 * asked[1]

@@ -12,7 +12,10 @@ from moseg_core.components.part_array import PartArray
 BROKEN = {
     "objective-vectorized-equals-single": ObjectiveSpec(
         name="broken", target="tests.testing.broken.vectorized:says_two_things"
-    )
+    ),
+    "objective-not-below-its-bound": ObjectiveSpec(
+        name="broken", target="tests.testing.broken.vectorized:promises_more_than_it_has"
+    ),
 }
 
 
@@ -73,6 +76,24 @@ def scaled(parts: PartArray, *, factor: float) -> np.ndarray:
 def has_other_defaults(part: Part, *, factor: float = 1.0) -> float:
     """A call need not give what its vectorised form must have."""
     return factor * part.area / part.shape.area
+
+
+@objective(range=(0, 1), at_least=lambda parts: np.where(shares_of(parts) > 0.99, 0.6, 0.0))
+def promises_more_than_it_has(part: Part) -> float:
+    """The lower bound of a part that is everything is above its value."""
+    return 0.5 * part.area / part.shape.area
+
+
+@objective(range=(0, 1), at_least=lambda parts: shares_of(parts).mean())
+def bounds_all_at_once(part: Part) -> float:
+    """Its lower bound is a single number for all calls."""
+    return part.area / part.shape.area
+
+
+@objective(range=(0, 1), at_least=lambda parts: 0.9 * shares_of(parts))
+def keeps_its_bound(part: Part) -> float:
+    """Nothing is wrong."""
+    return part.area / part.shape.area
 
 
 @objective(range=(0, 1), vectorized=shares_of)

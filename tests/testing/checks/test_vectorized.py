@@ -1,4 +1,4 @@
-"""The check of vectorised forms fails for those that are broken, and says how."""
+"""The checks of vectorised forms and bounds fail for those that are broken, and say how."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from moseg_core.components.discovery.specs import ObjectiveSpec
 from tests.testing.broken.vectorized import BROKEN
 from tests.testing.outcomes import assert_fails_only, failures, outcomes
 
-(CHECK,) = BROKEN
+CHECK, BOUND = BROKEN
 
 
 def spec(name):
@@ -46,3 +46,21 @@ def test_one_that_agrees_passes():
 def test_objectives_without_a_vectorised_form_are_passed_over():
     plain = ObjectiveSpec(name="own", target="tests.testing.broken.objectives:counts_pieces")
     assert {outcome.check: outcome.status for outcome in outcomes(plain)}[CHECK] == "skipped"
+
+
+def test_a_bound_that_is_above_the_value_fails_this_check_and_no_other():
+    assert_fails_only(BOUND, BROKEN[BOUND])
+    assert "expected at most its value" in failures(BROKEN[BOUND])[BOUND]
+
+
+def test_a_bound_is_a_number_for_each_call():
+    said = failures(spec("bounds_all_at_once"))[BOUND]
+    assert "its lower bound was asked" in said
+    assert "an array of 2 values, one for each" in said
+
+
+def test_a_bound_that_holds_passes():
+    found = {outcome.check: outcome.status for outcome in outcomes(spec("keeps_its_bound"))}
+    assert found[BOUND] == "passed"
+    assert "failed" not in found.values()
+    assert {o.check: o.status for o in outcomes(spec("agrees"))}[BOUND] == "skipped"
