@@ -4,11 +4,12 @@ The weights of :mod:`moseg_learn.looks` are those of multinomial logistic regres
 (le Cessie and van Houwelingen 1992, doi:10.2307/2347628): with the quantities ``z`` standardised,
 they make ::
 
-    -sum_i b_i log p(kind of i | z_i)  +  RIDGE / (2 m) * sum_k |w_k|^2
+    -sum_i b_i log p(kind of i | z_i)  +  1 / (2 m) * sum_k sum_x r_x w_kx^2
 
-least, over groups of elements ``i`` of ``m`` examples with weights ``b_i``, 1 together. Such a
-weight is the group's area, times the root of how much less area its kind has than all: halfway
-between kinds by area, where an ear would not be worth seeing, and kinds all alike. (Fisher's linear
+least, with a :data:`RIDGE` ``r_x`` for each quantity, over groups of elements ``i`` of ``m``
+examples with weights ``b_i``, 1 together. Such a weight is the group's area, times the root of how
+much less area its kind has than all: halfway between kinds by area, where an ear would not be worth
+seeing, and kinds all alike. (Fisher's linear
 discriminant with a shared and shrunk covariance has the same form, and was too sure of itself.)
 
 **Calibration.** On a shape that was not among the examples, what was fitted is surer than it should
@@ -32,14 +33,20 @@ import numpy as np
 from scipy import optimize
 
 from moseg_core import Example, UsageError
-from moseg_learn.looks import CONSTANT, KEYS, MOST, log_probabilities, quantities
+from moseg_learn.looks import CONSTANT, KEYS, MEASURED, MOST, log_probabilities, quantities
 from moseg_learn.neighbourhoods import FloatArray, Neighbourhoods
 
-RIDGE = 0.03
-"""What large weights cost, beside the mean of ``-log p`` over one example."""
+RIDGE = np.where(np.arange(len(KEYS)) < len(MEASURED), 0.5, 0.1)
+"""What large weights cost, beside the mean of ``-log p`` over one example.
 
-ALONE = 2.0
-"""The temperature where there is one example."""
+Of quantities that are measured more than of those that compare places with the rest of their shape:
+the former differ more from shape to shape. (By trial, each of 95 models in nineteen categories left
+out in turn: 86.1 % of the area right; the latter alone 85.7, both at 0.3 85.6, the former alone
+84.2, and those of a nearest surface and its remoteness alone, without normals and positions, 80.9.)
+"""
+
+ALONE = 1.0
+"""The temperature where there is one example: the best of 1, 1.5, 2, 3 on nineteen categories."""
 
 _DIGITS = 4
 _STEPS = 100
@@ -51,7 +58,7 @@ class Sample:
 
     Parameters
     ----------
-    values : (K, 36) float
+    values : (K, 116) float
         In the order of :data:`moseg_learn.looks.KEYS`.
     shares : (K, n) float
         Of the area of the shape, what each group has of each kind; 1 together.
@@ -123,7 +130,7 @@ def fitted(samples: Sequence[Sample]) -> tuple[FloatArray, FloatArray]:
 
     Returns
     -------
-    weights : (n, 36) float
+    weights : (n, 116) float
     constants : (n,) float
         Minus infinity for a kind that none of the samples has.
     """
@@ -144,7 +151,7 @@ def fitted(samples: Sequence[Sample]) -> tuple[FloatArray, FloatArray]:
     return weights, constants
 
 
-def _solved(standard: FloatArray, wanted: FloatArray, cost: float) -> FloatArray:
+def _solved(standard: FloatArray, wanted: FloatArray, costs: FloatArray) -> FloatArray:
     """(n, d) float: coefficients of each kind, the last of them the constant.
 
     Parameters
@@ -153,12 +160,11 @@ def _solved(standard: FloatArray, wanted: FloatArray, cost: float) -> FloatArray
         Standardised quantities, and a column of ones.
     wanted : (K, n) float
         How much each group should be of each kind, 1 together.
-    cost : float
-        What large coefficients cost, but for constants.
+    costs : (d - 1,) float
+        What large coefficients cost; constants cost nothing.
     """
     size, total = (wanted.shape[1], standard.shape[1]), wanted.sum(axis=1, keepdims=True)
-    ridge = np.full(size[1], cost)
-    ridge[-1] = 0.0
+    ridge = np.append(costs, 0.0)
 
     def loss(flat: FloatArray) -> tuple[float, FloatArray]:
         coefficients = flat.reshape(size)

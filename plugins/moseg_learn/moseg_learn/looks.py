@@ -1,11 +1,19 @@
 """Looks: how likely each element is to bear a label, from what it and its surroundings are like.
 
-A table of *looks* has for each kind of part a table of weights, a number for each of 36 quantities
-``x`` of an element (:data:`KEYS`): four of its own, thickness, remoteness, its logarithm and
-concavity, and the eight of :mod:`moseg_learn.surroundings` within 4, 8, 16 and 30 % of the
-diagonal. With the ``constant`` they make the score of the kind, ``s_k = c_k + sum w_k x``, and the
-scores make probabilities (the multinomial logistic model, Cox 1966, of which Hastie, Tibshirani
-and Friedman 2009, doi:10.1007/978-0-387-84858-7, Sec. 4.4, tell)::
+A table of *looks* has for each kind of part a table of weights, a number for each of 116 quantities
+``x`` of an element (:data:`KEYS`). 58 are measured: four of its own, thickness, remoteness, its
+logarithm and concavity; its six of :mod:`moseg_learn.position`; and the twelve of
+:mod:`moseg_learn.surroundings` within 4, 8, 16 and 30 % of the diagonal. As many compare these
+with the rest of the shape: with the mean and the standard deviation of ``x`` over its surface ::
+
+    relative x = z / sqrt(1 + z^2),   z = (x - mean) / deviation
+
+is -1 where there is far less than is usual on this shape, 0 at the mean, 1 where there is far more.
+A leg of a stout animal is as thick as the body of a lean one, and thin beside its own.
+
+With the ``constant`` they make the score of the kind, ``s_k = c_k + sum w_k x``, and the scores
+make probabilities (the multinomial logistic model, Cox 1966, of which Hastie, Tibshirani and
+Friedman 2009, doi:10.1007/978-0-387-84858-7, Sec. 4.4, tell)::
 
     p_k = exp(s_k) / sum_j exp(s_j)
 
@@ -28,6 +36,7 @@ import numpy as np
 
 from moseg_core import Shape, Table, UsageError, field_values, unknown
 from moseg_learn.neighbourhoods import FloatArray, Neighbourhoods
+from moseg_learn.position import POSITIONS, positions
 from moseg_learn.surroundings import QUANTITIES, around
 
 RADII = (0.04, 0.08, 0.16, 0.3)
@@ -38,11 +47,18 @@ FIELDS = ("basic:log_thickness", "basic:remoteness", "basic:concavity")
 
 CONSTANT = "constant"
 
-KEYS = (
+MEASURED = (
     *("thickness", "remoteness", "log_remoteness", "concavity"),
+    *POSITIONS,
     *(f"{name}_within_{round(100 * radius)}" for radius in RADII for name in QUANTITIES),
 )
-"""The quantities of an element that a look has weights for; ``thickness`` is its logarithm."""
+"""The quantities of an element that are measured; ``thickness`` is its logarithm."""
+
+KEYS = (*MEASURED, *(f"relative_{name}" for name in MEASURED))
+"""The quantities that a look has weights for."""
+
+_ALIKE = 1e-3
+"""What deviations are at least: where a quantity varies less over a shape, that is chance."""
 
 MOST = math.log(1000.0)
 """How unlikely anything is at most: as if one in a thousand were so."""
@@ -55,7 +71,7 @@ class Looks:
     Parameters
     ----------
     kinds : tuple of str
-    weights : (n, 36) float
+    weights : (n, 116) float
         In the order of :data:`KEYS`.
     constants : (n,) float
     """
@@ -168,7 +184,7 @@ def quantities(shape: Shape) -> FloatArray:
 
     Returns
     -------
-    (K, 36) float
+    (K, 116) float
         In the order of :data:`KEYS`.
 
     Raises
@@ -181,9 +197,32 @@ def quantities(shape: Shape) -> FloatArray:
         thickness, remoteness, concavity = (field_values(shape, name) for name in FIELDS)
         own = np.stack([thickness, remoteness, np.log(remoteness), concavity], axis=1)
         means = Neighbourhoods.of(shape).of_elements(own)
-        shape.made_from[key] = np.hstack([means, *(around(shape, radius) for radius in RADII)])
+        surroundings = (around(shape, radius) for radius in RADII)
+        measured = np.hstack([means, positions(shape), *surroundings])
+        shape.made_from[key] = np.hstack([measured, beside_the_rest(shape, measured)])
     kept: FloatArray = shape.made_from[key]
     return kept
+
+
+def beside_the_rest(shape: Shape, measured: FloatArray) -> FloatArray:
+    """Quantities of groups, compared with those of the whole shape.
+
+    Parameters
+    ----------
+    shape : Shape
+    measured : (K, d) float
+
+    Returns
+    -------
+    (K, d) float
+        -1 to 1; 0 at the mean over the surface.
+    """
+    areas = Neighbourhoods.of(shape).areas
+    off = measured - np.average(measured, axis=0, weights=areas)
+    deviation = np.sqrt(np.average(off**2, axis=0, weights=areas))
+    z = off / np.maximum(deviation, _ALIKE)
+    relative: FloatArray = z / np.sqrt(1.0 + z**2)
+    return relative
 
 
 def log_probabilities(scores: FloatArray) -> FloatArray:

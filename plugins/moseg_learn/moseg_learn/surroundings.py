@@ -7,7 +7,7 @@ are learned from examples (Kalogerakis, Hertzmann and Singh 2010, doi:10.1145/17
 :mod:`moseg_learn.looks` takes them from here.
 
 All follow from sums over what is in reach (:mod:`moseg_learn.neighbourhoods`), of area, first and
-second moments, and of the fields of the bundle ``basic``.
+second moments, of normals and their products, and of the fields of the bundle ``basic``.
 """
 
 from __future__ import annotations
@@ -18,14 +18,22 @@ import numpy as np
 
 from moseg_core import Interval, Shape, UsageError, field_values, unknown
 from moseg_learn.neighbourhoods import FloatArray, Neighbourhoods
+from moseg_learn.normals import outward_normals
+from moseg_learn.position import unit
 
 QUANTITIES = (
     *("area", "length", "width", "depth"),
     *("thickness", "concavity", "remoteness", "offset"),
+    *("flatness", "bending", "doming", "hollow"),
 )
 """What there is to know of the surroundings, in the order of the columns of :func:`around`."""
 
 _MEANS = ("basic:log_thickness", "basic:concavity", "basic:remoteness")
+
+_ROWS, _COLUMNS = np.triu_indices(3)
+"""Of the six numbers of a symmetric matrix; of its nine, which of the six each is:"""
+
+_SQUARE = [0, 1, 2, 1, 3, 4, 2, 4, 5]
 
 _THIN = 0.01
 """What scales are at least, in radii: how much flatter a patch is than that is chance."""
@@ -40,13 +48,19 @@ def surroundings(
     ----------
     shape : Shape
         A surface of which is known which elements touch.
-    of : {"area", "length", "width", "depth", "thickness", "concavity", "remoteness", "offset"}
-        Which quantity. The logarithm of the share of the shape's area that is within reach, of
+    of : str
+        Which quantity, one of :data:`QUANTITIES`. ``area``, ``length``, ``width``, ``depth``: the
+        logarithm of the share of the shape's area that is within reach, of
         its first scale (the standard deviation along its first principal axis, in diagonals of
-        the shape), of its second scale over its first, of its third over its first; the mean
-        there of ``basic:log_thickness``, ``basic:concavity``, ``basic:remoteness``; or how far
-        from the element its centroid is, in radii: near 0 amid a plate, 0.5 at the end of a rod.
-        Scales are taken to be at least a hundredth of the radius.
+        the shape), of its second scale over its first, of its third over its first; scales are
+        taken to be at least a hundredth of the radius. ``thickness``, ``concavity``,
+        ``remoteness``: the mean there of ``basic:log_thickness``, ``basic:concavity``,
+        ``basic:remoteness``. ``offset``: how far from the element its centroid is, in radii: near
+        0 amid a plate, 0.5 at the end of a rod. ``flatness``: the length of the mean of the
+        normals there, 1 of a plane, 0 of a ball or of both sides of a plate. ``bending``,
+        ``doming``: the second and third eigenvalue of the mean of their products ``n n'``, 0 and 0
+        of a plane, 1/2 and 0 of a tube, 1/3 and 1/3 of a ball. ``hollow``: how far the centroid
+        lies in front of the element, along its outward normal, in radii; negative on a bulge.
     radius : float
         In diagonals of the shape.
 
@@ -89,7 +103,7 @@ def around(shape: Shape, radius: float) -> FloatArray:
 
     Returns
     -------
-    (K, 8) float
+    (K, 12) float
         In the order of :data:`QUANTITIES`.
     """
     key = ("learn surroundings", radius)
@@ -104,19 +118,27 @@ def _around(shape: Shape, radius: float) -> FloatArray:
     groups, areas, diagonal = hoods.groups, hoods.areas, shape.box_diagonal
     points = (groups.points - groups.frame.center) / diagonal
     means = [hoods.of_elements(field_values(shape, name)) for name in _MEANS]
-    columns = [points, groups.second_moments / (areas * diagonal**2)[:, None], np.stack(means, 1)]
+    normals = outward_normals(shape)
+    products = hoods.of_elements(normals[:, _ROWS] * normals[:, _COLUMNS])
+    facing = hoods.of_elements(normals)
+    second_moments = groups.second_moments / (areas * diagonal**2)[:, None]
+    columns = [points, second_moments, facing, products, np.stack(means, 1)]
     share = hoods.within(radius) * areas
     total = share.sum(axis=1)
     found = share @ np.concatenate(columns, axis=1) / total[:, None]
-    middle, second = found[:, :3], found[:, [3, 4, 5, 4, 6, 7, 5, 7, 8]].reshape(-1, 3, 3)
+    middle, second = found[:, :3], found[:, 3:9][:, _SQUARE].reshape(-1, 3, 3)
     variances = np.linalg.eigvalsh(second - middle[:, :, None] * middle[:, None, :])[:, ::-1]
+    turning = np.linalg.eigvalsh(found[:, 12:18][:, _SQUARE].reshape(-1, 3, 3))[:, ::-1]
     scales = np.log(np.maximum(variances, (_THIN * radius) ** 2)) / 2.0
     return np.column_stack(
         [
             np.log(total / areas.sum()),
             scales[:, 0],
             scales[:, 1:] - scales[:, :1],
-            found[:, 9:],
+            found[:, 18:],
             np.linalg.norm(middle - points, axis=1) / radius,
+            np.linalg.norm(found[:, 9:12], axis=1),
+            turning[:, 1:],
+            np.einsum("ij,ij->i", middle - points, unit(facing)) / radius,
         ]
     )

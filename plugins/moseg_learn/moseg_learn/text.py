@@ -62,10 +62,14 @@ _LOOKS = """\
 What single places on each kind of part look like. Such a table is a fit: each number says how much
 more (less, where negative) a place is taken for this kind where a quantity is greater by one, and
 'constant' is added. Quantities that end in within_8 are of what lies within 8 % of the diagonal
-around a place: area, length, width, depth, mean thickness, concavity and remoteness there, and
-offset, how far the middle of all that is from the place. concavity: how sharp a crease the place
-itself lies in. The numbers mean something together only, and are not made to be changed by hand;
-to do without them, delete these tables and the terms 'likely'."""
+around a place: area, length, width, depth, mean thickness, concavity and remoteness there; offset,
+how far the middle of all that is from the place, and hollow, how far in front of it; flatness,
+bending and doming, whether it is like a plane, a tube or a ball. concavity: how sharp a crease the
+place itself lies in. from_center, lengthwise, from_axis: where in the whole shape it lies; outward,
+facing_along, facing_across: which way it faces there. What begins with relative_ compares the place
+with the rest of its shape: from -1, far less than usual, to 1, far more. The numbers mean something
+together only, and are not made to be changed by hand; to do without them, delete these tables and
+the terms 'likely'."""
 
 
 def annotated(recipe: Recipe) -> str:

@@ -44,7 +44,7 @@ def examples():
 
 def test_weights_that_are_known(monkeypatch):
     """Of kinds of equal areas, without a ridge, the weights that the data were made with."""
-    monkeypatch.setattr(module, "RIDGE", 0.0)
+    monkeypatch.setattr(module, "RIDGE", np.zeros(N))
     monkeypatch.setattr(module, "_STEPS", 5000)
     rng = np.random.default_rng(1)
     weights = np.zeros((2, N))
@@ -88,7 +88,7 @@ def test_loss_by_loops_is_least():
                 b = given.shares[i, k] * math.sqrt(own.sum() / own[k])
                 total -= b * (scores[k] - sums)
                 weight += b
-        return total / weight + RIDGE / 2 * float((w**2).sum())
+        return total / weight + float((RIDGE * w**2).sum()) / 2
 
     w, c = weights * scale, constants + weights @ middle
     best = loss(w, c)

@@ -7,7 +7,16 @@ import math
 import numpy as np
 import pytest
 import trimesh
-from moseg_learn.looks import KEYS, MOST, Looks, log_probabilities, quantities, unlikeliness
+from moseg_learn.looks import (
+    KEYS,
+    MOST,
+    Looks,
+    beside_the_rest,
+    log_probabilities,
+    quantities,
+    unlikeliness,
+)
+from moseg_learn.position import POSITIONS, positions
 
 import moseg_core as moseg
 from moseg_core import Shape, Table, UsageError, field_values
@@ -34,7 +43,7 @@ def unlikely(shape, kind, among=LOOKS):
 
 def test_quantities_are_the_fields_they_are_called_after(lump):
     found = dict(zip(KEYS, quantities(lump).T, strict=True))
-    assert len(found) == 36
+    assert len(found) == 116
     assert np.array_equal(found["thickness"], field_values(lump, "basic:log_thickness"))
     assert np.array_equal(found["log_remoteness"], np.log(found["remoteness"]))
     assert np.array_equal(found["concavity"], field_values(lump, "basic:concavity"))
@@ -42,6 +51,25 @@ def test_quantities_are_the_fields_they_are_called_after(lump):
         for name in ("area", "offset", "remoteness"):
             around = field_values(lump, "learn:surroundings", of=name, radius=percent / 100)
             assert np.array_equal(found[f"{name}_within_{percent}"], around)
+    for k, name in enumerate(POSITIONS):
+        assert np.array_equal(found[name], positions(lump)[:, k])
+
+
+def test_places_are_compared_with_the_rest_of_their_shape(lump):
+    found = dict(zip(KEYS, quantities(lump).T, strict=True))
+    for name in ("thickness", "remoteness", "outward", "width_within_16"):
+        x = found[name]
+        mean = np.average(x, weights=lump.areas)
+        z = (x - mean) / np.sqrt(np.average((x - mean) ** 2, weights=lump.areas))
+        assert found[f"relative_{name}"] == pytest.approx(z / np.hypot(1, z), abs=1e-9)
+
+
+def test_what_is_the_same_everywhere_says_nothing():
+    """Rounding errors of a ball's thickness are no differences."""
+    ball = trimesh.creation.icosphere(subdivisions=2)
+    shape = Shape.from_mesh(ball.vertices, ball.faces)
+    noise = 1e-9 * np.random.default_rng(0).normal(size=(shape.n_elements, 1))
+    assert np.abs(beside_the_rest(shape, 3.0 + noise)).max() < 1e-5
 
 
 def test_probabilities_by_hand(lump):

@@ -60,6 +60,29 @@ def test_amid_a_plate():
     assert of(shape, "width", radius)[middle] == pytest.approx(0, abs=0.08)
     assert of(shape, "depth", radius)[middle] == pytest.approx(np.log(0.02), abs=0.05)
     assert of(shape, "offset", radius)[middle].max() < 0.1
+    assert of(shape, "flatness", radius)[middle] == pytest.approx(1, abs=0.05)
+    assert of(shape, "bending", radius)[middle] == pytest.approx(0, abs=0.01)
+    assert of(shape, "hollow", radius)[middle] == pytest.approx(0, abs=0.01)
+
+
+def test_along_a_tube_and_on_a_ball():
+    """Normals of a tube lie in a plane, those of a ball everywhere; the centroids lie inside."""
+    turn, x = np.meshgrid(np.linspace(0, 2 * np.pi, 16, endpoint=False), np.linspace(-2, 2, 41))
+    corners = np.stack([x, 0.1 * np.cos(turn), 0.1 * np.sin(turn)], axis=2).reshape(-1, 3)
+    at = np.arange(40 * 16).reshape(40, 16)
+    beside = np.roll(at, -1, axis=1)
+    squares = np.stack([at, beside, beside + 16, at + 16], axis=2).reshape(-1, 4)
+    shape = Shape.from_mesh(corners, squares)
+    middle = np.abs(shape.points[:, 0]) < 1.0
+    assert of(shape, "bending", 0.16)[middle] == pytest.approx(1 / 2, abs=0.03)
+    assert of(shape, "doming", 0.16)[middle] == pytest.approx(0, abs=0.03)
+    assert of(shape, "flatness", 0.16)[middle].max() < 0.15
+    ball = trimesh.creation.icosphere(subdivisions=3)
+    shape = Shape.from_mesh(ball.vertices, ball.faces[:, ::-1])  # the file's normals point inward
+    for name, value in (("bending", 1 / 3), ("doming", 1 / 3), ("flatness", 0)):
+        assert of(shape, name, 2.0) == pytest.approx(value, abs=1e-3)
+    radius = 2.0 * shape.box_diagonal
+    assert of(shape, "hollow", 2.0) == pytest.approx(-1 / radius, abs=2e-3)
 
 
 @pytest.mark.parametrize("radius", [0.08, 0.3])
@@ -68,6 +91,8 @@ def test_sums_by_the_formula(lump, radius):
     corners = np.asarray(lump.geometry.vertices)[np.asarray(lump.geometry.triangles)]
     fields = [field_values(lump, f"basic:{x}") for x in ("log_thickness", "concavity")]
     fields.append(field_values(lump, "basic:remoteness"))
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals /= np.linalg.norm(normals, axis=1)[:, None]
     found = around(lump, radius)
     for i in range(0, lump.n_elements, 40):
         # A triangle is as heavy as the middles of its sides are, to the second moment.
@@ -85,6 +110,13 @@ def test_sums_by_the_formula(lump, radius):
             np.log(scales[2] / scales[0]),
             *(np.average(values, weights=within[i] * lump.areas) for values in fields),
             np.linalg.norm(middle - lump.points[i]) / radius / diagonal,
+        ]
+        areas = within[i] * lump.areas
+        products = np.einsum("i,ij,ik->jk", areas, normals, normals) / areas.sum()
+        expected += [
+            np.linalg.norm(areas @ normals) / areas.sum(),
+            *np.linalg.eigvalsh(products)[1::-1],
+            (middle - lump.points[i]) @ normals[i] / radius / diagonal,
         ]
         assert found[i] == pytest.approx(expected, abs=1e-6)
 
