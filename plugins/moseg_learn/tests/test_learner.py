@@ -27,7 +27,7 @@ def test_a_recipe_says_what_was_learned_and_from_what(recipe):
     assert set(stated.given["looks"]) == {"body", "head", "leg", "tail"}
     for term in (
         "is(leg*, given=leg)",
-        "likely(leg*, kind=leg, among=looks)",
+        "0.5*likely(leg*, kind=leg, among=looks)",
         "touching(body, head, leg*)",
         "separate_parts",
     ):
@@ -124,9 +124,9 @@ def test_examples_of_one_part_show_too_little(herd, make):
 
 def test_places_move_boundaries_where_it_is_known_how_surely(herd):
     assert str(learn(herd[:1]).statement.search.refiner) == "graph_cut(band=0.2)"
-    assert str(learn(herd).statement.search.refiner) == "graph_cut(band=0.2, data=2)"
-    half = learn(herd, learner="profiles(likely=0.5)")
-    assert str(half.statement.search.refiner) == "graph_cut(band=0.2, data=4)"
+    assert str(learn(herd).statement.search.refiner) == "graph_cut(band=0.2, data=4)"
+    full = learn(herd, learner="profiles(likely=1)")
+    assert str(full.statement.search.refiner) == "graph_cut(band=0.2, data=2)"
     alone = learn(herd, learner="profiles(likely=0)")
     assert str(alone.statement.search.refiner) == "graph_cut(band=0.2)"
     assert learn(herd, learner="profiles(refiner=none)").statement.search.refiner is None
