@@ -122,6 +122,7 @@ def test_examples_of_one_part_show_too_little(herd, make):
     assert recipe.learned_from[1] == "whole: body (not learned from: one part)"
 
 
+@pytest.mark.slow
 def test_places_move_boundaries_where_it_is_known_how_surely(herd):
     assert str(learn(herd[:1]).statement.search.refiner) == "graph_cut(band=0.2)"
     assert str(learn(herd).statement.search.refiner) == "graph_cut(band=0.2, data=4)"
