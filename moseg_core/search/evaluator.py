@@ -9,8 +9,8 @@ The search spends its time here. Four things keep it short, none of which change
   cheap to expensive, and a candidate is dropped as soon as what is known of its cost, with every
   missing term at the least value that it declares, is more than another candidate's cost. On a
   horse this leaves out nearly all surface distances of a poll. Where an objective bounds its values
-  from below for this very shape, that stands in for the least value; on a horse this leaves out
-  nine of ten hulls of a poll.
+  from below for this very shape, that stands in for the least value; with ``paper_horse`` this
+  leaves out two of three hulls.
 
 Where a record is kept (:mod:`moseg_core.search.answer_record`), answers that it has are taken from
 there.

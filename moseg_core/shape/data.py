@@ -293,7 +293,10 @@ class ShapeData:
 
     @property
     def farthest_vertices(self) -> FarthestVertices | None:
-        """How far elements reach in all directions; None where there are too many for a table."""
+        """How far elements reach in all directions; None where there are too many for a table.
+
+        It is not sent along with the shape, being large: each process makes it where it is asked.
+        """
         key = "farthest vertices"
         if key not in self.made_from:
             corners, starts = self.geometry.corners, self.geometry.offsets

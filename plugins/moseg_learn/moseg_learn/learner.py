@@ -75,8 +75,8 @@ def profiles(
         Weight of ``separate_parts``; 0 leaves the term out, here and below. Of solids and clouds,
         which have no creases, it is that of ``short_boundaries``.
     likely : float
-        Weight of how likely the places of a part are to bear its label. With 1 and 2 in place of
-        0.5, busts and vases came out worse, and nothing that was tried better, but for bearings.
+        Weight of how likely the places of a part are to bear its label. With 1 in place of 0.5,
+        1 - Rand Index came out at .122 in place of .117, the mean over 95 models left out in turn.
     touching, apart : float
         Weight of each pair of parts that always touches, or never does.
     refiner : str or None

@@ -11,7 +11,10 @@ from __future__ import annotations
 import numpy as np
 
 from moseg_core import Shape
-from moseg_learn.neighbourhoods import FloatArray
+from moseg_learn.neighbourhoods import FloatArray, Neighbourhoods
+
+_ROWS, _COLUMNS = np.triu_indices(3)
+"""Of the six numbers of a symmetric matrix."""
 
 
 def outward_normals(shape: Shape) -> FloatArray:
@@ -60,3 +63,39 @@ def _signs(shape: Shape, sums: FloatArray) -> FloatArray:
     volumes = np.einsum("ij,ij->i", shape.points - middle[component], sums)
     signs: FloatArray = np.where(np.bincount(component, volumes, count) < 0, -1.0, 1.0)
     return signs[component]
+
+
+def group_normals(shape: Shape) -> tuple[FloatArray, FloatArray]:
+    """Means over each group of elements, computed once and kept with the shape.
+
+    Parameters
+    ----------
+    shape : Shape
+        As the user gave it.
+
+    Returns
+    -------
+    normals : (K, 3) float
+        Of the outward normals ``n``.
+    products : (K, 6) float
+        Of ``n n'``: xx, xy, xz, yy, yz, zz.
+    """
+    key = ("learn normals",)
+    if key not in shape.made_from:
+        hoods, normals = Neighbourhoods.of(shape), outward_normals(shape)
+        products = normals[:, _ROWS] * normals[:, _COLUMNS]
+        shape.made_from[key] = hoods.of_elements(normals), hoods.of_elements(products)
+    kept: tuple[FloatArray, FloatArray] = shape.made_from[key]
+    return kept
+
+
+def unit(vectors: FloatArray) -> FloatArray:
+    """(K, 3) float: vectors of length 1; what is next to none stays shorter.
+
+    Examples
+    --------
+    >>> unit(np.array([[3.0, 0, 4], [0, 0, 0]])).tolist()
+    [[0.6, 0.0, 0.8], [0.0, 0.0, 0.0]]
+    """
+    scaled: FloatArray = vectors / np.maximum(np.linalg.norm(vectors, axis=1), 1e-9)[:, None]
+    return scaled

@@ -25,7 +25,7 @@ import numpy as np
 
 from moseg_core import Shape
 from moseg_learn.neighbourhoods import FloatArray, Neighbourhoods
-from moseg_learn.normals import outward_normals
+from moseg_learn.normals import group_normals, unit
 
 POSITIONS = (
     *("from_center", "lengthwise", "from_axis"),
@@ -68,7 +68,7 @@ def positions(shape: Shape) -> FloatArray:
     values = np.maximum(values, _FLAT * values.sum() + np.finfo(np.float64).tiny)
     squared = (away @ axes) ** 2
     distance = np.linalg.norm(away, axis=1)
-    facing = unit(hoods.of_elements(outward_normals(shape)))
+    facing = unit(group_normals(shape)[0])
     facing_squared = (facing @ axes) ** 2
     return np.column_stack(
         [
@@ -80,15 +80,3 @@ def positions(shape: Shape) -> FloatArray:
             facing_squared @ (1.0 / values) / (1.0 / values).sum(),
         ]
     )
-
-
-def unit(vectors: FloatArray) -> FloatArray:
-    """(K, 3) float: vectors of length 1; what is next to none stays shorter.
-
-    Examples
-    --------
-    >>> unit(np.array([[3.0, 0, 4], [0, 0, 0]])).tolist()
-    [[0.6, 0.0, 0.8], [0.0, 0.0, 0.0]]
-    """
-    scaled: FloatArray = vectors / np.maximum(np.linalg.norm(vectors, axis=1), 1e-9)[:, None]
-    return scaled

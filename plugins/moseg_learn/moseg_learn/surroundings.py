@@ -18,8 +18,7 @@ import numpy as np
 
 from moseg_core import Interval, Shape, UsageError, field_values, unknown
 from moseg_learn.neighbourhoods import FloatArray, Neighbourhoods
-from moseg_learn.normals import outward_normals
-from moseg_learn.position import unit
+from moseg_learn.normals import group_normals, unit
 
 QUANTITIES = (
     *("area", "length", "width", "depth"),
@@ -30,10 +29,8 @@ QUANTITIES = (
 
 _MEANS = ("basic:log_thickness", "basic:concavity", "basic:remoteness")
 
-_ROWS, _COLUMNS = np.triu_indices(3)
-"""Of the six numbers of a symmetric matrix; of its nine, which of the six each is:"""
-
 _SQUARE = [0, 1, 2, 1, 3, 4, 2, 4, 5]
+"""Of the nine numbers of a symmetric matrix, which of the six that are kept of it each is."""
 
 _THIN = 0.01
 """What scales are at least, in radii: how much flatter a patch is than that is chance."""
@@ -118,9 +115,7 @@ def _around(shape: Shape, radius: float) -> FloatArray:
     groups, areas, diagonal = hoods.groups, hoods.areas, shape.box_diagonal
     points = (groups.points - groups.frame.center) / diagonal
     means = [hoods.of_elements(field_values(shape, name)) for name in _MEANS]
-    normals = outward_normals(shape)
-    products = hoods.of_elements(normals[:, _ROWS] * normals[:, _COLUMNS])
-    facing = hoods.of_elements(normals)
+    facing, products = group_normals(shape)
     second_moments = groups.second_moments / (areas * diagonal**2)[:, None]
     columns = [points, second_moments, facing, products, np.stack(means, 1)]
     share = hoods.within(radius) * areas
