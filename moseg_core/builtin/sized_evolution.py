@@ -2,12 +2,14 @@
 
 The paper's seeder (:mod:`moseg_core.builtin.evolution`) chooses sets of elements, with weights of 1
 and labels by assignment. Where parts differ in size, an ear and a torso, it seldom finds the small
-ones. Four changes, each of which a parameter takes back:
+ones. Five changes, each of which a parameter takes back:
 
 - *sizes*: weights follow the sizes that labels are expected to have, or evolve where none are known
   (:mod:`moseg_core.builtin.sizes`);
 - *places*: a few elements spread over the shape, its tips first (:mod:`moseg_core.builtin.places`);
-- *labelled*: labels are assigned in the first generation and then inherited
+- *informed*: where the problem says of places how well labels fit there, some of the first
+  generation are drawn by that (:mod:`moseg_core.builtin.likely_places`), with their labels;
+- *labelled*: labels are assigned to the others of the first generation, and then inherited
   (:mod:`moseg_core.builtin.inheritance`), so the fitness is the cost of an individual's own labels;
 - *relocations*: the best individuals race in short pattern searches, then single centres of the
   best are moved elsewhere (:mod:`moseg_core.builtin.relocation`).
@@ -27,6 +29,7 @@ import numpy as np
 
 from moseg_core.builtin.genome import Genome
 from moseg_core.builtin.inheritance import Individual, cross, mutate, without_repeats
+from moseg_core.builtin.likely_places import LikelyPlaces
 from moseg_core.builtin.places import Places
 from moseg_core.builtin.relocation import Found, Relocation, candidates_of, different
 from moseg_core.builtin.sizes import PLAIN, Sizes
@@ -67,6 +70,9 @@ class SizedEvolution:
     sizes : {"expected", "evolved", "equal"}
         Where weights come from: the sizes that labels are expected to have, evolution where nothing
         is known; evolution for all; or all are 1.
+    informed : float
+        How many of the first generation are drawn by what the problem says of places, as a share;
+        none where it says nothing, as most do.
     labelled : bool
         Whether labels are inherited; else they are assigned in each generation.
     relocations : int
@@ -91,6 +97,7 @@ class SizedEvolution:
         generations: Annotated[int, Interval(0)] = 20,
         places: Annotated[int, Interval(0)] = 120,
         sizes: str = "expected",
+        informed: Annotated[float, Interval(0, 1)] = 0.5,
         labelled: bool = True,
         relocations: Annotated[int, Interval(0)] = 20,
     ) -> None:
@@ -100,6 +107,7 @@ class SizedEvolution:
         self.generations = generations
         self.places = places
         self.sizes = sizes
+        self.informed = informed
         self.labelled = labelled
         self.relocations = relocations
 
@@ -136,6 +144,11 @@ class _Search:
         self.points = shape.points[self.places.elements]
         shares = evaluator.problem.expected_shares[self.genome.labels]
         self.sizes = Sizes.of(shares, options.sizes)
+        self.likely = (
+            LikelyPlaces.of(evaluator.problem, shape, self.places.elements, self.genome.labels)
+            if options.informed
+            else None
+        )
         self.relocation = Relocation(
             genome=self.genome,
             points=self.points,
@@ -172,24 +185,35 @@ class _Search:
         )
 
     def _first(self) -> list[_Member]:
-        """Random places, labelled by assignment; the better half of them, best first."""
-        neutral = np.full(self.size, PLAIN)
+        """Likely places, and random ones labelled by assignment; the better half, best first."""
         members: list[_Member] = []
         left = 2 * self.options.population
+        informed = 0 if self.likely is None else round(self.options.informed * left)
         while left and not self.stopped:
-            drawn = [
-                Individual(
-                    places=self.rng.choice(len(self.places), self.size, replace=False),
-                    classes=neutral,
-                )
-                for _ in range(min(left, _CHUNK))
-            ]
-            left -= len(drawn)
-            members = self._survivors([*members, *self._assigned(drawn)])
+            count = min(left, _CHUNK, informed or left)
+            drawn = [self._drawn(informed=informed > 0) for _ in range(count)]
+            found = self._labelled(drawn) if informed else self._assigned(drawn)
+            members = self._survivors([*members, *found])
+            informed = max(0, informed - count)
+            left -= count
             self.best = members[0].cost
             self._count(0)
         self._record(members)
         return members
+
+    def _drawn(self, *, informed: bool) -> Individual:
+        """Different places: for their labels where these are informed, else any."""
+        if informed:
+            assert self.likely is not None  # else none are
+            places = self.likely.draw(self.rng)
+        else:
+            places = self.rng.choice(len(self.places), self.size, replace=False)
+        return Individual(places=places, classes=np.full(self.size, PLAIN))
+
+    def _labelled(self, individuals: Sequence[Individual]) -> list[_Member]:
+        """Individuals with the labels that their places were drawn for."""
+        self.known.update(i.key for i in individuals)
+        return _members(self._costs(individuals), individuals)
 
     def _next(self, population: Sequence[_Member]) -> list[_Member]:
         """The best of a population and its children."""
@@ -200,10 +224,7 @@ class _Search:
             full = len(population) == self.options.population
             cutoff = population[-1].cost if full else None
             costs = self._costs(children, cutoff)
-            members += [
-                _Member(cost=cost, individual=child)
-                for cost, child in zip(costs, children, strict=True)
-            ]
+            members += _members(costs, children)
         elif children:
             members += self._assigned(children)
         members = self._survivors(members)
@@ -260,10 +281,7 @@ class _Search:
             for k, cost in zip(other, weighed, strict=True):
                 costs[k] = cost
         self.known.update(i.key for i in labelled)
-        return [
-            _Member(cost=cost, individual=individual)
-            for cost, individual in zip(costs, labelled, strict=True)
-        ]
+        return _members(costs, labelled)
 
     def _costs(self, individuals: Sequence[Individual], cutoff: Cost | None = None) -> list[Cost]:
         """Costs of individuals under their own labels."""
@@ -303,3 +321,11 @@ class _Search:
         self.history.append(
             {"evaluations": self.done, "best": best.value, "empty": best.empty, **more}
         )
+
+
+def _members(costs: Sequence[Cost], individuals: Sequence[Individual]) -> list[_Member]:
+    """Individuals with what each costs."""
+    return [
+        _Member(cost=cost, individual=individual)
+        for cost, individual in zip(costs, individuals, strict=True)
+    ]

@@ -139,6 +139,8 @@ class SearchFlags:
         Number of starts; the best result is kept. They share limits on evaluations and seconds.
     finalists
         How many of the starts, the best after a while, go on to the end.
+    polished
+        How many of the results on super-elements are searched for a little longer on finer ones.
     resolution
         Number of super-elements to search on, or "full"; the result is always exact.
     settings
@@ -161,6 +163,7 @@ class SearchFlags:
     refiner: str | None = None
     restarts: int | None = None
     finalists: int | None = None
+    polished: int | None = None
     resolution: str | None = None
     settings: Literal["default", "paper"] = "default"
     seed: int = 0

@@ -95,7 +95,9 @@ class SavedResult:
         front = f"{path}: " if path else ""
         if front + "optimizer" not in self.method:
             raise UsageError(unknown("level", path, [p for p, _ in self.statement.levels()]))
-        settled = {front + "refiner": NO_REFINER} | dict(self.method)
+        # What a result of an earlier version does not say was as the settings say.
+        unsaid: dict[str, Any] = {front + "refiner": NO_REFINER, front + "polished": None}
+        settled = unsaid | dict(self.method)
         options: Any = {key: settled[front + key] for key in RECIPE_OPTIONS}
         return SearchOptions(
             **options,

@@ -9,7 +9,7 @@
     optimizer = "pattern_search(expansion=2)"
     refiner = "graph_cut"                   # none unless it is given
     resolution = 2000                       # optional; or "full"
-    restarts = 4                            # optional, as is finalists
+    restarts = 4                            # optional, as are finalists and polished
 
 What was learned from examples (:mod:`moseg_core.problem.learning`) says from which::
 

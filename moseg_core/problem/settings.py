@@ -30,7 +30,7 @@ SEARCH_KINDS: tuple[Kind, ...] = ("parameterization", "seeder", "labeler", "opti
 CHOSEN_KINDS: tuple[Kind, ...] = (*SEARCH_KINDS, "refiner")
 """The kinds of component that a request or a recipe may choose; without a refiner none is used."""
 
-RECIPE_OPTIONS = (*CHOSEN_KINDS, "resolution", "restarts", "finalists")
+RECIPE_OPTIONS = (*CHOSEN_KINDS, "resolution", "restarts", "finalists", "polished")
 """The options that belong to how a problem is solved, whoever solves it: a recipe may hold them."""
 
 ComponentChoice = str | Mapping[str, Any] | Choice | Callable[..., Any] | None
@@ -43,6 +43,7 @@ NO_REFINER = "none"
 _DEFAULT_RESOLUTION = 2000
 _DEFAULT_RESTARTS = 8
 _DEFAULT_FINALISTS = 2
+_DEFAULT_POLISHED = 2
 
 
 class OptionValues(TypedDict, total=False):
@@ -56,6 +57,7 @@ class OptionValues(TypedDict, total=False):
     resolution: int | str | None
     restarts: int | str | None
     finalists: int | str | None
+    polished: int | str | None
     settings: str
     seed: int
     max_seconds: float | None
@@ -78,6 +80,7 @@ class SettledOptions:
     resolution: int | str
     restarts: int
     finalists: int
+    polished: int
     settings: str
     seed: int
     max_seconds: float | None
@@ -125,6 +128,9 @@ class Method:
         Number of starts.
     finalists : int, optional
         How many of the starts, the best after a while, go on to the end.
+    polished : int, optional
+        How many of the results on super-elements, the best of them, are searched for a little
+        longer on finer ones; 0 for none, as where a refiner moves all boundaries anyway.
 
     Raises
     ------
@@ -146,6 +152,7 @@ class Method:
     resolution: int | str | None = None
     restarts: int | str | None = None
     finalists: int | str | None = None
+    polished: int | str | None = None
 
     def __post_init__(self) -> None:
         for kind in CHOSEN_KINDS:
@@ -154,9 +161,14 @@ class Method:
                 object.__setattr__(self, kind, Choice.read(given, kind))
         if self.resolution is not None:
             object.__setattr__(self, "resolution", _resolution(self.resolution))
-        for name, counted in (("restarts", "start"), ("finalists", "finalist")):
+        for name, counted in (
+            ("restarts", "start"),
+            ("finalists", "finalist"),
+            ("polished", "polished result"),
+        ):
             if getattr(self, name) is not None:
-                object.__setattr__(self, name, _count(getattr(self, name), counted))
+                least = 0 if name == "polished" else 1
+                object.__setattr__(self, name, _count(getattr(self, name), counted, least=least))
 
     def over(self, other: Method) -> Self:
         """The same where it says something, and another where it leaves a matter open.
@@ -290,6 +302,7 @@ class SearchOptions(Method):
             "resolution": _DEFAULT_RESOLUTION,
             "restarts": 1 if limited else _DEFAULT_RESTARTS,
             "finalists": _DEFAULT_FINALISTS,
+            "polished": _DEFAULT_POLISHED,
         }
         for name, default in left_open.items():
             if values[name] is None:
@@ -297,7 +310,7 @@ class SearchOptions(Method):
         return SettledOptions(**values)
 
 
-_MOST = {"start": 10_000, "finalist": 10_000}
+_MOST = {"start": 10_000, "finalist": 10_000, "polished result": 10_000}
 """Of some things there are so many at most: all of them are made before the first is used."""
 _DIGITS = 18
 """Of a number in a text."""
@@ -317,13 +330,15 @@ def _resolution(given: object) -> int | str:
     return int(given)
 
 
-def _count(given: object, what: str) -> int:
-    """A number of things of which there is one at least."""
+def _count(given: object, what: str, *, least: int = 1) -> int:
+    """A number of things of which there are so many at least."""
     if isinstance(given, str) and given.isdecimal() and len(given) <= _DIGITS:
         given = int(given)
     if isinstance(given, bool) or not isinstance(given, Integral):
         raise UsageError(f"the number of {what}s must be a whole number, not {shown(given)}")
-    if given < 1:
+    if given < least:
+        if least == 0:
+            raise UsageError(f"the number of {what}s must be 0 or more, not {shown(given)}")
         raise UsageError(f"there must be at least one {what}, not {shown(given)}")
     if int(given) > _MOST.get(what, int(given)):
         raise UsageError(f"there are at most {_MOST[what]} {what}s, not {shown(given)}")

@@ -91,7 +91,7 @@ class Statement:
     given : Table
         Tables by the names that calls have for them; any mapping is read as one.
     search : Method
-        How it is to be solved, as far as that is said: components, resolution, restarts, finalists.
+        How it is to be solved, as far as that is said: components, resolution, starts.
     parts : tuple of (str, Statement)
         For labels whose part is segmented in its turn.
 
@@ -185,7 +185,12 @@ class Statement:
         always = ("minimize",) if follow else ("labels", "minimize")
         if follow:
             del said["labels"]
-        return {key: value for key, value in said.items() if value or key in always}
+        # Of the options 0 says something: no result is polished.
+        return {
+            key: value
+            for key, value in said.items()
+            if value or key in always or (key in RECIPE_OPTIONS and value is not None)
+        }
 
     @property
     def is_open(self) -> bool:

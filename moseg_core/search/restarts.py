@@ -6,9 +6,10 @@ on where it began than on how long it took, so many are tried for a while, the b
 for longer, and so forth, until a few finalists are left that go on to the end (successive halving:
 Jamieson and Talwalkar 2016, arXiv:1502.07943). What was found is then partitioned element by
 element, ranked by what it costs now, and the first few are polished: a short search with small
-steps (:func:`polisher`). Of a large mesh that is done on a third level, of :data:`FINER` times as
-many super-elements, so that a search takes no longer on a million faces than on fifty thousand.
-The cost that is reported is always that of the input elements, and so is the choice by cost.
+steps (:func:`polisher`), of which there is no need where a refiner moves all boundaries anyway. Of
+a large mesh that is done on a third level, of :data:`FINER` times as many super-elements, so that a
+search takes no longer on a million faces than on fifty thousand. The cost that is reported is
+always that of the input elements, and so is the choice by cost.
 
 Starts, finalists and polishing go to several processes (:mod:`moseg_core.search.workers`), if
 wanted. What is found does not depend on their number.
@@ -46,8 +47,6 @@ from moseg_core.types import FloatArray
 #: After how many evaluations for each coordinate starts are first judged, and by what factor
 #: this grows from each time to the next, when half as many are left.
 _TRIAL, _LONGER = 20, 3
-#: How many of the coarse results are polished.
-_POLISHED = 2
 #: How many times as many elements as the search has the polish has at most. Where the search has
 #: 2000, those of the polish are between a quarter and three quarters of a percent of the diagonal
 #: across, on a hammer, a cow and a cup.
@@ -128,10 +127,12 @@ class Plan:
     ----------
     coarse, fine, whole : ProblemEvaluator
         On the shape that is searched, on that on which results are polished, and on that of the
-        input elements; one and the same where the search, or the polish, is on those.
+        input elements; one and the same where the search, or the polish, is on those. The second is
+        the first where nothing is polished.
     ready : mapping of kind to PreparedComponent
-    restarts, finalists : int
-        Number of starts, and how many of them go on to the end.
+    restarts, finalists, polished : int
+        Number of starts, how many of them go on to the end, and how many of what they find on a
+        coarse shape are polished.
     seed : int
     start : Centers or None
         Where all begin, instead of seeding and labeling.
@@ -151,6 +152,7 @@ class Plan:
     ready: Mapping[Kind, PreparedComponent]
     restarts: int
     finalists: int
+    polished: int
     seed: int
     start: Centers | None
     frozen: Sequence[int]
@@ -378,7 +380,7 @@ def finish(plan: Plan, outcomes: Sequence[RunOutcome], pool: TrackedWorkers) -> 
         vector = carried(outcome.vector, level, whole)
         return replace(outcome, vector=vector, cost=whole.evaluate(vector).cost)
 
-    if plan.fine is not whole:
+    if plan.polished and plan.fine is not whole:
         # What processes have found out of millions of elements takes room; those that polish are
         # made anew, and share what this one has made by then.
         pool.release()
@@ -390,8 +392,8 @@ def finish(plan: Plan, outcomes: Sequence[RunOutcome], pool: TrackedWorkers) -> 
     # The best on super-elements first: a part that it loses between levels a few steps may mend.
     ranked = [found[0], *sorted(found[1:], key=lambda outcome: outcome.cost)]
     polished: list[RunOutcome] = []
-    if plan.deadline is None or time.monotonic() < plan.deadline:
-        first = ranked[:_POLISHED]
+    if plan.polished and (plan.deadline is None or time.monotonic() < plan.deadline):
+        first = ranked[: plan.polished]
         plan.fine.shape.make_ready(like=whole.shape)
         polished = pool.map("polish", [(each, k, len(first)) for k, each in enumerate(first)])
         if plan.fine is not whole:  # measured in this process alone, as the others were

@@ -70,6 +70,7 @@ def segment(
     pins: Mapping[str, npt.ArrayLike] | None = None,
     restarts: int | str | None = None,
     finalists: int | str | None = None,
+    polished: int | str | None = None,
     resolution: int | str | None = None,
     settings: str = "default",
     seed: int = 0,
@@ -107,6 +108,9 @@ def segment(
     finalists : int, optional
         How many of the starts, the best after a while, go on to the end; all where there is a
         limit on evaluations. By default what the settings say.
+    polished : int, optional
+        How many of the results on super-elements, the best of them, are searched for a little
+        longer on finer ones; 0 for none. By default what the settings say.
     resolution : int or "full", optional
         Number of super-elements on which to seed and search, where the shape has more than 1.5
         times as many elements. By default what the settings say.
@@ -161,6 +165,7 @@ def segment(
         resolution=resolution,
         restarts=restarts,
         finalists=finalists,
+        polished=polished,
         settings=settings,
         seed=seed,
         max_seconds=max_seconds,
@@ -226,7 +231,8 @@ def solve(
 
     coarse = fine = on_level(whole, settled.resolution, ready["parameterization"])
     if coarse is not whole:
-        fine = on_level(whole, FINER * int(settled.resolution), ready["parameterization"])
+        if settled.polished:
+            fine = on_level(whole, FINER * int(settled.resolution), ready["parameterization"])
         if settled.settings == "default":
             ready["optimizer"] = ready["optimizer"].tuned("coarse")
     plan = Plan(
@@ -236,6 +242,7 @@ def solve(
         ready=shared_budget(ready, settled.restarts),
         restarts=settled.restarts,
         finalists=settled.finalists,
+        polished=settled.polished,
         seed=settled.seed,
         start=start_centers,
         frozen=frozen,
@@ -363,6 +370,7 @@ def _result(
             "resolution": str(settled.resolution),
             "restarts": str(plan.restarts if stopped else len(outcomes)),
             "finalists": str(settled.finalists),
+            "polished": str(settled.polished),
         },
         seed=settled.seed,
         versions=_versions(plan, ready),

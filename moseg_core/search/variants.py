@@ -3,9 +3,10 @@
 A recipe whose labels have counts (``leg{2..5}``, :mod:`moseg_core.problem.label_sets`) does not say
 which labels a shape has. :func:`segment_variants` solves the problem of each label set
 (:class:`moseg_core.problem.variants.Variants`) and takes the one whose parts are most like what the
-recipe says of parts: the mean of the parts' costs, weighted by the root of their areas
-(:mod:`moseg_core.search.typical_cost`). Of two results the one with fewer empty parts is better
-whatever they cost, since an empty part means that the label set has too many labels.
+recipe says of parts: the mean of the parts' costs, weighted by the root of their areas, and what
+all else costs for each part (:mod:`moseg_core.search.typical_cost`). Of two results the one with
+fewer empty parts is better whatever they cost, since an empty part means that the label set has too
+many labels.
 
 The label sets share what one search would have: the starts that nobody gave a number for, the
 seconds, the processes, which take label sets side by side; and the shape with its coarse version,

@@ -175,8 +175,8 @@ _TOML_VALUES = (
 )  # fmt: skip
 _KEYS = ("description", "labels", "minimize", "seeder", "labeler", "optimizer", "refiner",
   "resolution",
-         "restarts", "finalists", "constraints", "plane", "embedding", "space", "given", "parts",
-         "variants", "learned_from", "adjacency", "typo")  # fmt: skip
+         "restarts", "finalists", "polished", "constraints", "plane", "embedding", "space",
+         "given", "parts", "variants", "learned_from", "adjacency", "typo")  # fmt: skip
 
 
 def _recipe(kind: str, name: str, made: Made | Callable[[], Made], expected: str = EITHER) -> Case:
@@ -296,7 +296,7 @@ def _recipe_bombs() -> Iterator[Case]:
             f"{_SMALL}restarts = 0.{'9' * digits}".encode(),
             REFUSED,
         )
-    for key in ("restarts", "finalists", "resolution"):
+    for key in ("restarts", "finalists", "polished", "resolution"):
         for value in (
             "1000000000",
             "1000",

@@ -45,6 +45,8 @@ def test_values_are_read_when_the_options_are_made():
     [
         ({"restarts": 0}, "there must be at least one start, not 0"),
         ({"restarts": True}, "the number of starts must be a whole number, not True"),
+        ({"polished": -1}, "the number of polished results must be 0 or more, not -1"),
+        ({"polished": "x"}, "the number of polished results must be a whole number, not 'x'"),
         ({"finalists": 0.5}, "the number of finalists must be a whole number, not 0.5"),
         ({"resolution": "fine"}, "the resolution must be 'full' or a number of super-elements"),
         ({"settings": "papr"}, "unknown settings 'papr'; did you mean 'paper'?"),
@@ -70,7 +72,7 @@ def test_the_request_goes_before_the_recipe_and_the_recipe_before_the_settings()
     assert str(found.labeler) == "greedy"
     assert str(found.seeder) == "evolution(population=9)"
     assert str(found.optimizer) == "core:pattern_search"
-    assert (found.restarts, found.resolution, found.finalists) == (3, 50, 2)
+    assert (found.restarts, found.resolution, found.finalists, found.polished) == (3, 50, 2, 2)
 
 
 def test_under_paper_the_request_keeps_its_parameters_and_the_recipe_its_names():

@@ -76,6 +76,7 @@ def plan_of(
     *,
     restarts,
     finalists=2,
+    polished=2,
     repeats=True,
     deadline=None,
     exchanges=False,
@@ -94,6 +95,7 @@ def plan_of(
         ready=ready,
         restarts=restarts,
         finalists=finalists,
+        polished=polished,
         seed=0,
         start=None,
         frozen=(),
@@ -276,7 +278,7 @@ def on_sheet(text="area(a)"):
     return ProblemEvaluator(COARSE, problem, Voronoi(COARSE, 2), input=whole), whole
 
 
-def finished(ends, *, deadline=0.0, finer=None):
+def finished(ends, *, deadline=0.0, finer=None, polished=2):
     """What `finish` makes of ends: elements of the two centres, claimed cost, reason."""
     coarse, whole = on_sheet()
     fine = whole
@@ -301,6 +303,7 @@ def finished(ends, *, deadline=0.0, finer=None):
         ready={"optimizer": stranger("optimizer", Staying)},
         restarts=len(ends),
         finalists=1,
+        polished=polished,
         seed=0,
         start=None,
         frozen=(),
@@ -361,7 +364,10 @@ def test_the_best_two_are_polished_while_there_is_time():
     ends = [(LARGE, 0.0, "converged"), (SMALL, 5.0, "converged")]
     rough, *_ = finished(ends)
     best, number, exact = finished(ends, deadline=None)
+    none, *_ = finished(ends, deadline=None, polished=0)
     assert "polish" not in rough.history
+    assert "polish" not in none.history
+    assert none.vector.tobytes() == rough.vector.tobytes()
     assert (number, best.warning, best.reason) == (1, "guessed", "converged")
     values = [record["value"] for record in best.history["polish"]]
     assert values[0] == exact[1].value

@@ -103,6 +103,7 @@ def test_the_result_says_how_it_was_made(result):
         "resolution": "2000",
         "restarts": "8",
         "finalists": "2",
+        "polished": "2",
     }
     assert result.versions["python:slim"] == "the calling program"
     assert result.versions["core:kmeans"].startswith("moseg-core ")

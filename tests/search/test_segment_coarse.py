@@ -153,6 +153,7 @@ def test_settings_of_the_paper():
         "resolution": "full",
         "restarts": "1",
         "finalists": "1",
+        "polished": "2",
     }
     assert set(found.history) == {"seeding", "search"}
 

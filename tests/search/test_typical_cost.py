@@ -125,12 +125,28 @@ def test_the_rule_against_a_plain_sum():
         + 3 * value["basic:area_fraction", ("a",)]
     )
     of_b = 3 * value["basic:area_fraction", ("b",)]
-    expected = (of_a * math.sqrt(4.0) + of_b * math.sqrt(2.0)) / (math.sqrt(4.0) + math.sqrt(2.0))
+    own = (of_a * math.sqrt(4.0) + of_b * math.sqrt(2.0)) / (math.sqrt(4.0) + math.sqrt(2.0))
+    shared = 5 * value["basic:touching", ("a", "b")] + value["basic:perpendicular", ("a", "b")]
+    assert shared > 0
+    expected = own + shared / 3  # of which one is empty
     assert typical_cost(problem, evaluation, areas) == pytest.approx(expected, rel=1e-12)
 
 
-def test_nothing_is_said_of_any_part():
+def test_nothing_is_said_of_any_part_alone():
     shape = Shape.from_mesh(*strip(4))
-    problem = Problem(["a", "b"], "touching(a, b)")
+    problem = Problem(["a", "b"], "4*perpendicular(a, b)")
     evaluation = problem.evaluate(shape, [0, 0, 1, 1])
-    assert typical_cost(problem, evaluation, np.array([2.0, 2.0])) == 0.0
+    assert evaluation.cost.value > 0
+    found = typical_cost(problem, evaluation, np.array([2.0, 2.0]))
+    assert found == pytest.approx(evaluation.cost.value / 2)
+
+
+def test_a_part_along_a_long_line_tells_against_its_label():
+    """Two parts as good alone: what cuts the strip lengthwise is left to the larger label set."""
+    shape = Shape.from_mesh(*strip(4))
+    found = []
+    for labels, parts in ((["a"], [0, 0, 0, 0]), (["a", "b"], [0, 1, 0, 1])):
+        problem = Problem(labels, "area_fraction(*, max=1) + short_boundaries")
+        evaluation = problem.evaluate(shape, parts)
+        found.append(typical_cost(problem, evaluation, np.bincount(parts, shape.areas)))
+    assert found[0] < found[1]

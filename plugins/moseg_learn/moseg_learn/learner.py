@@ -28,7 +28,7 @@ from moseg_learn.relations import Relation, relations_of
 
 _SEARCH = Method(
     parameterization="voronoi(centers=auto)",
-    seeder="sized_evolution(population=60, generations=40, relocations=0)",
+    seeder="sized_evolution(population=40, generations=25, relocations=0)",
     optimizer="pattern_search(expansion=1, threshold=0.005, combine=true)",
 )
 """How a learned recipe is searched: bodies of several cells, small parts found by their size.
@@ -36,6 +36,9 @@ _SEARCH = Method(
 A body, a head, four legs and a tail of up to three cells have 60 coordinates and more. Several
 moves at once and steps that never grow took 18 to 63 % of the evaluations on a teddy, an armadillo
 and a machine part, the less the more coordinates, and ended 1 to 3 % higher before the polish.
+
+Where a refiner moves the boundaries there is no polish: on 8 models of 19 label sets it took two
+fifths of the time, made results cheaper by .6 %, and no name came out better.
 """
 
 _PLACES = 2.0
@@ -127,6 +130,7 @@ def profiles(
         *_relation_terms("apart", apart, relations.apart, sets),
         *_boundary_terms(separate, cut),
     ]
+    moved = _refiner(refiner, likely if looks and len(cut) > 1 else 0.0)
     statement = Statement(
         labels=sets.stated,
         variants=sets.variants,
@@ -134,8 +138,9 @@ def profiles(
         given=Table(given),
         search=replace(
             _SEARCH,
-            refiner=_refiner(refiner, likely if looks and len(cut) > 1 else 0.0),
+            refiner=moved,
             restarts=1 if sets.variants else _STARTS,
+            polished=None if moved is None else 0,
         ),
     )
     n = len(cut)
