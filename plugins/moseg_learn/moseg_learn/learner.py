@@ -44,8 +44,9 @@ fifths of the time, made results cheaper by .6 %, and no name came out better.
 _PLACES = 2.0
 """What a refiner multiplies the negative logarithm of a place's likelihood by.
 
-With it, in a band of a fifth of the diagonal, people's parts cut by Voronoi came nearest to what
-people say, of factors from 0.5 to 10 and bands from 0.05 to 0.5.
+With it, in a band of two fifths of the diagonal, 1 - Rand Index was .116 and 89.9 % of the area named
+right, the mean over 95 models left out in turn; .119 and 89.7 % in a band of a fifth, .117 and 89.5 %
+with twice the factor. Before any refiner it was .132 and 87.9 %.
 """
 
 _STARTS = 2
@@ -167,8 +168,9 @@ def _refiner(asked: str | None, likely: float) -> str | None:
     """
     if asked != "auto":
         return asked
-    data = f", data={_PLACES / likely:g}" if likely else ""
-    return f"graph_cut(band=0.2{data})"
+    if not likely:
+        return "graph_cut(band=0.2)"
+    return f"graph_cut(band=0.4, data={_PLACES / likely:g})"
 
 
 def _profile_terms(sets: LabelSets) -> Iterator[str]:

@@ -125,7 +125,7 @@ def test_examples_of_one_part_show_too_little(herd, make):
 @pytest.mark.slow
 def test_places_move_boundaries_where_it_is_known_how_surely(herd):
     assert str(learn(herd[:1]).statement.search.refiner) == "graph_cut(band=0.2)"
-    assert str(learn(herd).statement.search.refiner) == "graph_cut(band=0.2, data=4)"
+    assert str(learn(herd).statement.search.refiner) == "graph_cut(band=0.4, data=4)"
     full = learn(herd, learner="profiles(likely=1)")
     assert str(full.statement.search.refiner) == "graph_cut(band=0.2, data=2)"
     alone = learn(herd, learner="profiles(likely=0)")
