@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from moseg_core import Example, Shape
+from moseg_core import Example, Recipe, Shape, learn
 
 _HEADS = np.array([1.0, 0.0, 0.1])
 _TAIL = np.array([-1.0, 0.0, 0.1])
@@ -55,3 +55,9 @@ def herd() -> list[Example]:
         beast(name="two", stretch=1.25),
         beast(name="three", stretch=1.1, tail=True),
     ]
+
+
+@pytest.fixture(scope="session")
+def recipe(herd) -> Recipe:
+    """What is learned from the herd, which takes a while."""
+    return learn(herd)

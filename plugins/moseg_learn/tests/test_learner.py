@@ -7,11 +7,6 @@ from moseg_core import Example, Shape, UsageError, learn, segment_variants
 from moseg_core.agreement import named_right, rand_index_error
 
 
-@pytest.fixture(scope="module")
-def recipe(herd):
-    return learn(herd)
-
-
 def test_a_recipe_says_what_was_learned_and_from_what(recipe):
     stated = recipe.statement
     assert recipe.learned_from == (
@@ -123,14 +118,17 @@ def test_examples_of_one_part_show_too_little(herd, make):
 
 
 @pytest.mark.slow
-def test_places_move_boundaries_where_it_is_known_how_surely(herd):
+def test_places_move_boundaries_where_it_is_known_how_surely(herd, recipe):
     assert str(learn(herd[:1]).statement.search.refiner) == "graph_cut(band=0.2)"
-    assert str(learn(herd).statement.search.refiner) == "graph_cut(band=0.4, data=4)"
+    assert str(recipe.statement.search.refiner) == "graph_cut(band=0.4, data=4)"
     full = learn(herd, learner="profiles(likely=1)")
-    assert str(full.statement.search.refiner) == "graph_cut(band=0.2, data=2)"
+    assert str(full.statement.search.refiner) == "graph_cut(band=0.4, data=2)"
     alone = learn(herd, learner="profiles(likely=0)")
     assert str(alone.statement.search.refiner) == "graph_cut(band=0.2)"
-    assert learn(herd, learner="profiles(refiner=none)").statement.search.refiner is None
+    unrefined = learn(herd, learner="profiles(refiner=none)").statement.search
+    assert unrefined.refiner is None
+    # What no refiner moves is polished.
+    assert (recipe.statement.search.polished, unrefined.polished) == (0, None)
 
 
 def test_examples_may_be_labelled_in_part(herd):

@@ -4,11 +4,10 @@ import re
 
 from moseg_learn.text import annotated
 
-from moseg_core import learn, load_recipe
+from moseg_core import load_recipe
 
 
-def test_comments_change_nothing_of_the_recipe(herd, tmp_path):
-    recipe = learn(herd)
+def test_comments_change_nothing_of_the_recipe(recipe, tmp_path):
     text = annotated(recipe)
     (tmp_path / "learned.toml").write_text(text)
     assert load_recipe(str(tmp_path / "learned.toml")) == recipe
@@ -24,8 +23,7 @@ def _without_legends(text):
     )
 
 
-def test_every_measure_and_objective_that_is_used_is_explained(herd):
-    recipe = learn(herd)
+def test_every_measure_and_objective_that_is_used_is_explained(recipe):
     text = annotated(recipe)
     comments = " ".join(line for line in text.splitlines() if line.startswith("#"))
     for measure in recipe.statement.given["leg"]:
@@ -34,8 +32,8 @@ def test_every_measure_and_objective_that_is_used_is_explained(herd):
         assert objective in comments
 
 
-def test_each_legend_is_given_once_and_before_the_first_table(herd):
-    lines = annotated(learn(herd)).splitlines()
+def test_each_legend_is_given_once_and_before_the_first_table(recipe):
+    lines = annotated(recipe).splitlines()
     profiles = [k for k, line in enumerate(lines) if line.startswith("# What each kind of part")]
     looks = [k for k, line in enumerate(lines) if line.startswith("# What single places on each")]
     assert len(profiles) == len(looks) == 1
