@@ -44,9 +44,9 @@ fifths of the time, made results cheaper by .6 %, and no name came out better.
 _PLACES = 2.0
 """What a refiner multiplies the negative logarithm of a place's likelihood by.
 
-With it, in a band of two fifths of the diagonal, 1 - Rand Index was .116 and 89.9 % of the area named
-right, the mean over 95 models left out in turn; .119 and 89.7 % in a band of a fifth, .117 and 89.5 %
-with twice the factor. Before any refiner it was .132 and 87.9 %.
+With it, in a band of two fifths of the diagonal, 1 - Rand Index was .116 and 89.9 % of the area
+named right, the mean over 95 models left out in turn; .119 and 89.7 % in a band of a fifth, .117
+and 89.5 % with twice the factor. Before any refiner it was .132 and 87.9 %.
 """
 
 _STARTS = 2
