@@ -25,6 +25,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from moseg_core.components.chosen import PreparedComponent, prepare
+from moseg_core.components.cost import Cost
 from moseg_core.components.discovery.registry import Registry
 from moseg_core.components.discovery.specs import Kind
 from moseg_core.components.profile import timed
@@ -51,6 +52,11 @@ _TRIAL, _LONGER = 20, 3
 #: 2000, those of the polish are between a quarter and three quarters of a percent of the diagonal
 #: across, on a hammer, a cow and a cup.
 FINER = 20
+
+
+#: A result that costs so many times as much on input elements as on super-elements has lost
+#: something between the levels: a thin part is in pieces, or touches nothing any more.
+_LOST = 1.5
 
 
 class Listener:
@@ -127,8 +133,7 @@ class Plan:
     ----------
     coarse, fine, whole : ProblemEvaluator
         On the shape that is searched, on that on which results are polished, and on that of the
-        input elements; one and the same where the search, or the polish, is on those. The second is
-        the first where nothing is polished.
+        input elements; one and the same where the search, or the polish, is on those.
     ready : mapping of kind to PreparedComponent
     restarts, finalists, polished : int
         Number of starts, how many of them go on to the end, and how many of what they find on a
@@ -372,7 +377,8 @@ def finish(plan: Plan, outcomes: Sequence[RunOutcome], pool: TrackedWorkers) -> 
 
     The finalists, and all others where each of those loses a part between the levels, are
     partitioned anew. The best on super-elements and the best by what they cost now are polished,
-    and the least exact cost wins: one with an empty part comes after all without.
+    and the least exact cost wins: one with an empty part comes after all without. Where nothing is
+    to be polished, the best on super-elements is all the same if all have lost something.
     """
     coarse, whole = plan.coarse, plan.whole
 
@@ -380,7 +386,7 @@ def finish(plan: Plan, outcomes: Sequence[RunOutcome], pool: TrackedWorkers) -> 
         vector = carried(outcome.vector, level, whole)
         return replace(outcome, vector=vector, cost=whole.evaluate(vector).cost)
 
-    if plan.polished and plan.fine is not whole:
+    if plan.fine is not whole:
         # What processes have found out of millions of elements takes room; those that polish are
         # made anew, and share what this one has made by then.
         pool.release()
@@ -392,14 +398,21 @@ def finish(plan: Plan, outcomes: Sequence[RunOutcome], pool: TrackedWorkers) -> 
     # The best on super-elements first: a part that it loses between levels a few steps may mend.
     ranked = [found[0], *sorted(found[1:], key=lambda outcome: outcome.cost)]
     polished: list[RunOutcome] = []
-    if plan.polished and (plan.deadline is None or time.monotonic() < plan.deadline):
-        first = ranked[: plan.polished]
+    left = min(outcome.cost for outcome in found)
+    count = plan.polished or int(_has_lost(left, finalists[0].cost))
+    if count and (plan.deadline is None or time.monotonic() < plan.deadline):
+        first = ranked[:count]
         plan.fine.shape.make_ready(like=whole.shape)
         polished = pool.map("polish", [(each, k, len(first)) for k, each in enumerate(first)])
         if plan.fine is not whole:  # measured in this process alone, as the others were
             polished = [exact(outcome, plan.fine) for outcome in polished]
     best = min([*polished, *ranked], key=lambda outcome: outcome.cost)
     return replace(best, reason="evaluations") if best.reason == "paused" else best
+
+
+def _has_lost(exact: Cost, coarse: Cost) -> bool:
+    """Whether what is left costs clearly more on input elements than the best on super-elements."""
+    return exact.empty > coarse.empty or exact.value > _LOST * coarse.value > 0
 
 
 def shared_budget(

@@ -231,8 +231,7 @@ def solve(
 
     coarse = fine = on_level(whole, settled.resolution, ready["parameterization"])
     if coarse is not whole:
-        if settled.polished:
-            fine = on_level(whole, FINER * int(settled.resolution), ready["parameterization"])
+        fine = on_level(whole, FINER * int(settled.resolution), ready["parameterization"])
         if settled.settings == "default":
             ready["optimizer"] = ready["optimizer"].tuned("coarse")
     plan = Plan(

@@ -368,7 +368,16 @@ def test_the_best_two_are_polished_while_there_is_time():
     assert "polish" not in rough.history
     assert "polish" not in none.history
     assert none.vector.tobytes() == rough.vector.tobytes()
+
     assert (number, best.warning, best.reason) == (1, "guessed", "converged")
     values = [record["value"] for record in best.history["polish"]]
     assert values[0] == exact[1].value
     assert best.cost.value == values[-1] <= exact[1].value
+
+
+@pytest.mark.parametrize(("claimed", "polished"), [(0.5, True), (0.9, False)])
+def test_what_lost_much_between_the_levels_is_polished_whatever_is_asked(claimed, polished):
+    _, _, (exact,) = finished([(SMALL, 1.0, "converged")])
+    ends = [(SMALL, claimed * exact.value, "converged")]
+    best, *_ = finished(ends, deadline=None, polished=0)
+    assert ("polish" in best.history) == polished
