@@ -368,7 +368,6 @@ def test_the_best_two_are_polished_while_there_is_time():
     assert "polish" not in rough.history
     assert "polish" not in none.history
     assert none.vector.tobytes() == rough.vector.tobytes()
-
     assert (number, best.warning, best.reason) == (1, "guessed", "converged")
     values = [record["value"] for record in best.history["polish"]]
     assert values[0] == exact[1].value
