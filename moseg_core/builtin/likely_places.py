@@ -1,11 +1,10 @@
 """Places drawn for labels by what the problem says of places.
 
 An evolution that begins with places at random has to find out by chance that one hand is on the
-left and the other on the right: of 18 labels hardly an individual has five where they belong. Where
-terms of the problem are means of fields (:mod:`moseg_core.builtin.data_term`), such as how unlikely
-it is that a place is part of a hand, the fields already say where a label may be. A place `s`, with
-the area `A(s)` of the elements nearest to it, is then drawn for a label with a chance in proportion
-to
+left and the other on the right, and so for each pair of limbs. Where terms of the problem are means
+of fields (:mod:`moseg_core.builtin.data_term`), such as how unlikely it is that a place is part of
+a hand, the fields already say where a label may be. A place `s`, with the area `A(s)` of the
+elements nearest to it, is then drawn for a label with a chance in proportion to
 
     A(s) exp(-6 (c(s) - min c) / sigma_c) d(s)^2,
 
@@ -15,8 +14,9 @@ of which the same is said: so that two hands go to both sides, as centres of clu
 k-means++ (Arthur and Vassilvitskii 2007). The labels come in random order, and each gets another
 place.
 
-Dividing by `sigma_c` makes chances independent of weights and units; 3 was as good as 6 and better
-than 1.5 on 17 searches for the parts of people, armadillos, a cow and a vase.
+Dividing by `sigma_c` makes chances independent of weights and units. On 19 searches for the parts of
+armadillos, people, a four-legged animal and a vase results were 7 to 8 % cheaper than without, with
+3 in place of 6 they were 6 to 7 % cheaper.
 
 :mod:`moseg_core.builtin.sized_evolution` draws some of its first generation so.
 """

@@ -399,7 +399,7 @@ def finish(plan: Plan, outcomes: Sequence[RunOutcome], pool: TrackedWorkers) -> 
     ranked = [found[0], *sorted(found[1:], key=lambda outcome: outcome.cost)]
     polished: list[RunOutcome] = []
     left = min(outcome.cost for outcome in found)
-    count = plan.polished or int(_has_lost(left, finalists[0].cost))
+    count = plan.polished or int(_has_lost(left, (finalists or by_cost)[0].cost))
     if count and (plan.deadline is None or time.monotonic() < plan.deadline):
         first = ranked[:count]
         plan.fine.shape.make_ready(like=whole.shape)

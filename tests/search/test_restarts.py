@@ -380,3 +380,9 @@ def test_what_lost_much_between_the_levels_is_polished_whatever_is_asked(claimed
     ends = [(SMALL, claimed * exact.value, "converged")]
     best, *_ = finished(ends, deadline=None, polished=0)
     assert ("polish" in best.history) == polished
+
+
+def test_without_a_finalist_the_best_so_far_is_judged():
+    best, number, exact = finished([(SMALL, 1.0, "paused")], polished=0)
+    assert (number, best.cost) == (0, exact[0])
+    assert best.reason == "evaluations"
