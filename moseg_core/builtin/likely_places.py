@@ -14,9 +14,9 @@ of which the same is said: so that two hands go to both sides, as centres of clu
 k-means++ (Arthur and Vassilvitskii 2007). The labels come in random order, and each gets another
 place.
 
-Dividing by `sigma_c` makes chances independent of weights and units. On 19 searches for the parts of
-armadillos, people, a four-legged animal and a vase results were 7 to 8 % cheaper than without, with
-3 in place of 6 they were 6 to 7 % cheaper.
+Dividing by `sigma_c` makes chances independent of weights and units. On 19 searches for the parts
+of armadillos, people, a four-legged animal and a vase results were 7 to 8 % cheaper than without,
+with 3 in place of 6 they were 6 to 7 % cheaper.
 
 :mod:`moseg_core.builtin.sized_evolution` draws some of its first generation so.
 """
