@@ -60,6 +60,7 @@ def test_every_example_is_tested():
     assert sorted(SHOWS) == sorted(path.stem for path in EXAMPLES.glob("*.py"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SHOWS)
 def test_an_example_does_what_it_says(name, tmp_path):
     script = EXAMPLES / f"{name}.py"

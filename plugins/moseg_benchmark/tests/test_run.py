@@ -138,6 +138,7 @@ def test_resuming_takes_over_what_was_asked_in_the_same_way(report, rows, psb, c
     assert timeless(fresh) == timeless(rows)
 
 
+@pytest.mark.slow
 def test_damaged_and_outdated_cases_are_measured_again(psb, tmp_path):
     data, out = tmp_path / "data", tmp_path / "out"
     shutil.copytree(psb, data)
@@ -278,6 +279,7 @@ def test_recipes_are_learned_from_the_others(members, learner, tmp_path, capsys,
     assert len(measured) == len(alone) + 8
 
 
+@pytest.mark.slow
 def test_one_collection_teaches_and_another_is_searched(members, learner, tmp_path, capsys):
     train = tmp_path / "train"
     shutil.copytree(members, train)

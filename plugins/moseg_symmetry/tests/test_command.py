@@ -61,6 +61,7 @@ def test_round_things(run, make):
     assert axes[0]["fold"] is None
 
 
+@pytest.mark.slow
 def test_nothing_found(run, make):
     out = run(make.blob())
     assert "no plane of symmetry; the best one maps" in out

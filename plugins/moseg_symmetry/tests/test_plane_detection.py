@@ -136,6 +136,7 @@ def test_the_same_each_time(make):
     assert [p.residual for p in first] == [p.residual for p in again]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["stool", "blob", "box"])
 def test_no_plane_of_a_fine_grid_is_better(make, name):
     """Against every plane of a dense grid of directions and offsets, distances by brute force."""
