@@ -28,9 +28,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from moseg_core.builtin.data_term import place_terms
-from moseg_core.components.discovery.lookup import Lookup
-from moseg_core.components.field import field_values
+from moseg_core.builtin.data_term import place_costs, place_terms
 from moseg_core.problem.problem import Problem
 from moseg_core.shape.shape import Shape
 from moseg_core.types import FloatArray, IntArray
@@ -76,8 +74,7 @@ class LikelyPlaces:
         Raises
         ------
         MosegError
-            See :func:`~moseg_core.builtin.data_term.place_terms` and
-            :func:`~moseg_core.field_values`.
+            See :func:`~moseg_core.builtin.data_term.place_costs`.
         """
         terms = place_terms(problem)
         if not any(set(term.labels) & set(labels.tolist()) for term in terms):
@@ -86,19 +83,15 @@ class LikelyPlaces:
         nearest: IntArray = np.asarray(cKDTree(points).query(shape.points)[1], np.int64)
         areas = np.bincount(nearest, shape.areas, len(points)).astype(np.float64)
         chances = np.tile(areas[:, None], len(labels))
-        lookup = Lookup(problem.registry)
-        values = [
-            field_values(shape, term.field, lookup=lookup, **term.parameters) for term in terms
-        ]
+        costs = place_costs(problem, shape, np.arange(shape.n_elements))
         said = [
             tuple(k for k, term in enumerate(terms) if label in term.labels)
             for label in labels.tolist()
         ]
-        for column, spoken in enumerate(said):
-            costs = np.zeros(shape.n_elements)
-            for k in spoken:
-                costs += terms[k].weight * values[k]
-            chances[:, column] *= _chance(costs, shape.areas, nearest, len(points))
+        for column, label in enumerate(labels.tolist()):
+            if said[column]:
+                own = costs[:, label]
+                chances[:, column] *= _chance(own, shape.areas, nearest, len(points))
         known = list(dict.fromkeys(said))
         return cls(points=points, chances=chances, alike=np.array([known.index(s) for s in said]))
 

@@ -161,13 +161,12 @@ class Method:
                 object.__setattr__(self, kind, Choice.read(given, kind))
         if self.resolution is not None:
             object.__setattr__(self, "resolution", _resolution(self.resolution))
-        for name, counted in (
-            ("restarts", "start"),
-            ("finalists", "finalist"),
-            ("polished", "polished result"),
+        for name, counted, least in (
+            ("restarts", "start", 1),
+            ("finalists", "finalist", 1),
+            ("polished", "polished result", 0),
         ):
             if getattr(self, name) is not None:
-                least = 0 if name == "polished" else 1
                 object.__setattr__(self, name, _count(getattr(self, name), counted, least=least))
 
     def over(self, other: Method) -> Self:

@@ -2,15 +2,10 @@
 
 from __future__ import annotations
 
-import sys
-import types
-
 import numpy as np
 import pytest
 
 from moseg_core.builtin.data_term import PlaceTerm, place_costs, place_terms
-from moseg_core.components.discovery.registry import Bundle, Component, Registry
-from moseg_core.components.discovery.specs import FieldSpec
 from moseg_core.components.objectives import objective
 from moseg_core.components.part import Part
 from moseg_core.errors import PluginError, UsageError
@@ -18,26 +13,13 @@ from moseg_core.problem.problem import Problem
 from moseg_core.shape.coarse import coarsen
 from moseg_core.shape.shape import Shape
 from tests import shapes
+from tests.builtin.along import area, far, registry_with_along
 
 LABELS = ["body", "leg1", "leg2", "tail"]
 
 
-def along(shape: Shape, *, axis: int, times: float = 1.0):
-    return times * shape.points[:, axis]
-
-
-@objective(mean_of=lambda given: ("made:along", given))
-def far(part: Part, *, axis: int, times: float = 1.0) -> float:
-    return part.field("made:along", axis=axis, times=times).mean
-
-
 @objective(mean_of=lambda given: None)
 def perhaps(part: Part) -> float:
-    return part.area
-
-
-@objective()
-def area(part: Part) -> float:
     return part.area
 
 
@@ -48,12 +30,7 @@ def apart(first: Part, second: Part) -> float:
 
 @pytest.fixture
 def source(monkeypatch):
-    module = types.ModuleType("made_along")
-    module.along = along
-    monkeypatch.setitem(sys.modules, "made_along", module)
-    spec = FieldSpec(name="along", target="made_along:along")
-    found = (Component("made", "moseg-made 1.0", spec),)
-    return Registry([Bundle("made", "moseg-made", "1.0", "made_along", found)])
+    return registry_with_along(monkeypatch)
 
 
 def problem(minimize, source, **more):

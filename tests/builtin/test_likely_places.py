@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import sys
-import types
-
 import numpy as np
 import pytest
 
@@ -12,44 +9,22 @@ from moseg_core.builtin.likely_places import LikelyPlaces
 from moseg_core.builtin.places import Places
 from moseg_core.builtin.sized_evolution import SizedEvolution
 from moseg_core.builtin.voronoi import Voronoi
-from moseg_core.components.discovery.registry import Bundle, Component, Registry
-from moseg_core.components.discovery.specs import FieldSpec
-from moseg_core.components.objectives import objective
-from moseg_core.components.part import Part
 from moseg_core.components.protocols import never_stop
 from moseg_core.problem.problem import Problem
 from moseg_core.search.evaluator import ProblemEvaluator
 from moseg_core.shape.coarse import coarsen
 from moseg_core.shape.shape import Shape
 from tests import shapes
+from tests.builtin.along import area, far, registry_with_along
 
 STRIP = Shape.from_mesh(*shapes.jitter(shapes.rectangle(24, 3, 24, 3), 2), name="strip")
 LABELS = ["left", "right1", "right2", "any"]
-TEXT = "far(left) + 0.5*far(right*, times=-1) + area(any)"
-
-
-def along(shape: Shape, *, times: float = 1.0):
-    return times * shape.points[:, 0]
-
-
-@objective(mean_of=lambda given: ("made:along", given))
-def far(part: Part, *, times: float = 1.0) -> float:
-    return part.field("made:along", times=times).mean
-
-
-@objective()
-def area(part: Part) -> float:
-    return part.area
+TEXT = "far(left, axis=0) + 0.5*far(right*, axis=0, times=-1) + area(any)"
 
 
 @pytest.fixture
 def source(monkeypatch):
-    module = types.ModuleType("made_along")
-    module.along = along
-    monkeypatch.setitem(sys.modules, "made_along", module)
-    spec = FieldSpec(name="along", target="made_along:along")
-    found = (Component("made", "moseg-made 1.0", spec),)
-    return Registry([Bundle("made", "moseg-made", "1.0", "made_along", found)])
+    return registry_with_along(monkeypatch)
 
 
 def problem(source, text=TEXT):
@@ -96,7 +71,7 @@ def test_a_problem_that_says_nothing_of_places_has_no_likely_ones(source):
 
 
 def test_a_field_that_is_the_same_everywhere_leaves_all_places_alike(source):
-    even = likely(source, text="far(left, times=0) + area(any)")
+    even = likely(source, text="far(left, axis=0, times=0) + area(any)")
     assert even.chances[:, 0].tolist() == even.chances[:, 3].tolist()
 
 

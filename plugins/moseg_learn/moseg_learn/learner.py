@@ -38,7 +38,7 @@ moves at once and steps that never grow took 18 to 63 % of the evaluations on a 
 and a machine part, the less the more coordinates, and ended 1 to 3 % higher before the polish.
 
 Where a refiner moves the boundaries there is no polish: on 8 models of 19 label sets it took two
-fifths of the time, made results cheaper by .6 %, and no name came out better.
+fifths of the time and made results cheaper by .6 %; the area named right was 84.9 % either way.
 """
 
 _PLACES = 2.0
