@@ -54,8 +54,8 @@ from moseg_core.io import read_labels
 from moseg_core.problem.settings import SearchOptions
 from moseg_core.search.beginning import begin
 from moseg_core.search.checked_partition import make_partition
+from moseg_core.search.request import prepare_components
 from moseg_core.search.run import go_on
-from moseg_core.search.segment import prepare_components
 
 RESOLUTION = 2000
 #: The seeder of each column.

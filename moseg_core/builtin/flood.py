@@ -35,24 +35,34 @@ from moseg_core.shape.compiled import kernel
 from moseg_core.shape.heap import push, sift
 from moseg_core.types import BoolArray, FloatArray, Int32Array, IntArray
 
-Workspace: TypeAlias = tuple[FloatArray, FloatArray, IntArray]
+Workspace: TypeAlias = tuple[FloatArray, FloatArray, FloatArray, IntArray]
 
 
 def workspace(n_centers: int, n_elements: int) -> Workspace:
-    """Arrays for a flood to work in: distances, and the two of the queue.
+    """Arrays for floods to work in: distances, whose they are, and the two of the queue.
 
     They are large enough for the system to take back and hand out anew each time, which would take
-    longer than to fill them; so floods one after the other share them.
+    longer than to fill them; so floods of the same points, one after the other, share them. Those
+    of a poll differ in one centre or two: what the others are away from each element is known from
+    the flood before, and so is which is nearest to each.
     """
     entries = n_centers * n_elements
-    return np.empty((n_centers, n_elements)), np.empty(entries), np.empty(entries, np.int64)
+    table, rows = np.empty((n_centers, n_elements)), np.full((n_centers, 5), np.nan)
+    return table, rows, np.empty(entries), np.empty(entries, np.int64)
 
 
 @kernel
 def _fill(
-    points: FloatArray, centers: FloatArray, weights: FloatArray, distance: FloatArray
+    points: FloatArray,
+    centers: FloatArray,
+    weights: FloatArray,
+    distance: FloatArray,
+    rows: FloatArray,
 ) -> None:
-    """Write weighted distances ||p - c|| / w, one row per centre."""
+    """Write weighted distances ||p - c|| / w, one row per centre, where they are not there yet.
+
+    `rows` has for each row of the table the centre and weight that it is of, and its nearest point.
+    """
     n, size = centers.shape[0], points.shape[0]
     # Coordinates one after the other, and no division that could fail: then the compiler takes
     # several elements at a time.
@@ -61,10 +71,15 @@ def _fill(
         cx, cy, cz, w = centers[i, 0], centers[i, 1], centers[i, 2], weights[i]
         if w == 0:
             raise ZeroDivisionError("a weight is 0")
+        known = rows[i]
+        if known[0] == cx and known[1] == cy and known[2] == cz and known[3] == w:
+            continue
         row = distance[i]
         for f in range(size):
             dx, dy, dz = x[f] - cx, y[f] - cy, z[f] - cz
             row[f] = np.sqrt(dx * dx + dy * dy + dz * dz) / w
+        known[0], known[1], known[2], known[3] = cx, cy, cz, w
+        known[4] = np.argmin(row)
 
 
 @kernel
@@ -137,10 +152,11 @@ def voronoi_labels(
     weights: FloatArray,
     labels: Int32Array,
     table: FloatArray,
+    rows: FloatArray,
 ) -> None:
     """Nearest weighted centre of each point, written into `labels`; ties to the lower centre."""
     distance = table[: centers.shape[0]]
-    _fill(points, centers, weights, distance)
+    _fill(points, centers, weights, distance, rows)
     for f in range(points.shape[0]):
         labels[f] = _nearest(distance, f)
 
@@ -205,6 +221,7 @@ def _flood(
 @kernel
 def _floods(
     distance: FloatArray,
+    rows: FloatArray,
     key: FloatArray,
     code: IntArray,
     indptr: Int32Array,
@@ -222,7 +239,7 @@ def _floods(
     labels[:] = -1
     climbed = np.empty(size, np.int64)
     for i in range(n):
-        f = int(np.argmin(distance[i]))
+        f = int(rows[i, 4])
         if nearest[f] == i:
             _climb(f, i, distance[i], nearest, indptr, indices, labels, climbed)
         else:
@@ -241,6 +258,7 @@ def flood_labels(
     indices: Int32Array,
     labels: Int32Array,
     table: FloatArray,
+    rows: FloatArray,
     key: FloatArray,
     code: IntArray,
 ) -> None:
@@ -256,12 +274,12 @@ def flood_labels(
         Adjacency in CSR form.
     labels : (F,) int32, written
         Index of the centre that each element belongs to.
-    table, key, code : (>= n, F), (>= nF,), (>= nF,)
-        From :func:`workspace`; what is in them does not matter.
+    table, rows, key, code : (>= n, F), (>= n, 5), (>= nF,), (>= nF,)
+        From :func:`workspace`; used for these points only.
     """
     distance = table[: centers.shape[0]]
-    _fill(points, centers, weights, distance)
-    _floods(distance, key, code, indptr, indices, labels)
+    _fill(points, centers, weights, distance, rows)
+    _floods(distance, rows, key, code, indptr, indices, labels)
     for f in range(points.shape[0]):
         if labels[f] < 0:
             labels[f] = _nearest(distance, f)
@@ -315,6 +333,7 @@ def flood_parts(
     indices: Int32Array,
     labels: Int32Array,
     table: FloatArray,
+    rows: FloatArray,
     key: FloatArray,
     code: IntArray,
 ) -> None:
@@ -334,13 +353,13 @@ def flood_parts(
         Adjacency in CSR form.
     labels : (F,) int32, written
         The part that each element belongs to.
-    table, key, code : (>= c, F), (>= cF,), (>= cF,)
-        From :func:`workspace`; what is in them does not matter.
+    table, rows, key, code : (>= c, F), (>= c, 5), (>= cF,), (>= cF,)
+        From :func:`workspace`; used for these points only.
     """
     c, size = centers.shape[0], points.shape[0]
     distance = table[:c]
-    _fill(points, centers, weights, distance)
-    nearest = _floods(distance, key, code, indptr, indices, labels)
+    _fill(points, centers, weights, distance, rows)
+    nearest = _floods(distance, rows, key, code, indptr, indices, labels)
     apart = _lie_apart(parts, component, indptr, indices, labels)
     if apart.any():
         for f in range(size):

@@ -145,10 +145,21 @@ class GraphCut:
             return bool((count_pieces(shape.links, changed, n) <= most).all())
 
         refined = labels.copy()
+        # How a pair is divided depends on which elements bear its two labels, and on nothing else:
+        # a pair that was divided as the cut has it is divided once more when one of the two has
+        # changed since. `changed` has the last turn at which a label did, `divided` that of a pair.
+        turn, changed, divided = 0, np.zeros(n, np.int64), dict[tuple[int, int], int]()
         for sweep in range(_SWEEPS):
             before = refined
             for pair in energy.touching(refined[band.elements].astype(np.int64)):
-                refined = _swapped(refined, band, energy, pair, unbroken)
+                if divided.get(pair, -1) >= changed[[*pair]].max():
+                    continue
+                turn += 1
+                after, whole = _swapped(refined, band, energy, pair, unbroken)
+                if (after != refined).any():
+                    changed[[*pair]] = turn
+                divided[pair] = turn if whole else turn - 1
+                refined = after
             stop = report(Progress(stage="graph_cut", done=sweep + 1))
             if stop or (refined == before).all():
                 break
@@ -200,8 +211,15 @@ def _swapped(
     energy: Energy,
     pair: tuple[int, int],
     unbroken: Callable[[Int32Array], bool],
-) -> Int32Array:
-    """(F,) int32: the elements of two parts divided anew, as far as that breaks no part."""
+) -> tuple[Int32Array, bool]:
+    """The elements of two parts divided anew, as far as that breaks no part.
+
+    Returns
+    -------
+    labels : (F,) int32
+    whole : bool
+        Whether all is as the cut has it that would be cheaper: to try again would change nothing.
+    """
     local = labels[band.elements].astype(np.int64)
     swapped = energy.swapped(local, *pair)
     groups = energy.improvements(local, swapped)
@@ -211,12 +229,14 @@ def _swapped(
         after[band.elements[elements]] = swapped[elements]
         return after
 
-    if groups and unbroken(after := with_changes(labels, np.concatenate(groups))):
-        return after
+    if not groups:
+        return labels, True
+    if unbroken(after := with_changes(labels, np.concatenate(groups))):
+        return after, True
     for elements in groups:
         if unbroken(after := with_changes(labels, elements)):
             labels = after
-    return labels
+    return labels, False
 
 
 def _own(shape: Shape) -> Shape:

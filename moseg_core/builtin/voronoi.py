@@ -162,23 +162,27 @@ class Voronoi:
                 write(b, *space)
             self._spare.append(space)
 
-        def write(b: int, table: FloatArray, key: FloatArray, code: IntArray) -> None:
+        def write(
+            b: int, table: FloatArray, known: FloatArray, key: FloatArray, code: IntArray
+        ) -> None:
             row, parts = rows[b], self._parts
             if self._several:
                 row, parts = row[needed[b]], parts[needed[b]]
             centers, weights = np.ascontiguousarray(row[:, :3]), row[:, 3].copy()
             if adjacency is None:
-                voronoi_labels(points, centers, weights, labels[b], table)
+                voronoi_labels(points, centers, weights, labels[b], table, known)
                 if self._several:
                     labels[b] = parts[labels[b]]
                 return
             graph = adjacency.indptr, adjacency.indices
             if len(row) == self._n_parts:
-                flood_labels(points, centers, weights, *graph, labels[b], table, key, code)
+                flood_labels(points, centers, weights, *graph, labels[b], table, known, key, code)
             else:
                 assert self._component is not None  # parts have several centres
                 own = parts, self._component
-                flood_parts(points, centers, weights, *own, *graph, labels[b], table, key, code)
+                flood_parts(
+                    points, centers, weights, *own, *graph, labels[b], table, known, key, code
+                )
 
         over_rows(partition, len(rows), seconds=_SECONDS * labels.size)
         return labels

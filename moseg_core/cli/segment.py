@@ -56,8 +56,9 @@ from moseg_core.search.alignment import Alignment, Template, align
 from moseg_core.search.clipped_result import check_clipping, clip
 from moseg_core.search.number_of_parts import solve_parts
 from moseg_core.search.pieces import searched_part
+from moseg_core.search.request import check_frozen
 from moseg_core.search.result import Result
-from moseg_core.search.segment import check_frozen, matched_centers
+from moseg_core.search.start_centers import matched_centers
 from moseg_core.search.variants import check_variants, solve_variants, tried_sets
 from moseg_core.shape.shape import Shape
 

@@ -282,6 +282,26 @@ class Labellings:
             lambda: link_values(self.level, self.lookup.field(name), parameters),
         )
 
+    @cached_property
+    def _gaps(self) -> dict[tuple[int, int], float]:
+        return {}
+
+    def gap(self, row: int, one: int, other: int) -> float:
+        """The least distance between the elements of two parts of a labelling, model units.
+
+        Two parts that occur in several labellings are compared once.
+        """
+        from moseg_core.shape.gaps import least_distance
+
+        first, second = row * self.n_parts + one, row * self.n_parts + other
+        if len(self) > 1:
+            first, second = int(self._first[first]), int(self._first[second])
+        pair = min(first, second), max(first, second)
+        if pair not in self._gaps:
+            gap = least_distance(self.level.points, self.labels[row], one, other)
+            self._gaps[pair] = float(gap)
+        return self._gaps[pair]
+
     def _summed(
         self, asked: Hashable, values: Callable[[], FloatArray]
     ) -> tuple[FloatArray, FloatArray]:

@@ -238,10 +238,8 @@ class PartArray:
         first, second : int
             Along the second.
         """
-        from moseg_core.shape.gaps import least_distance
-
-        labels, parts = self._labellings.labels[self._rows[call]], self._parts[call]
-        return float(least_distance(self.level.points, labels, parts[first], parts[second]))
+        parts = self._parts[call]
+        return self._labellings.gap(int(self._rows[call]), int(parts[first]), int(parts[second]))
 
 
 Vectorized = Callable[..., FloatArray]

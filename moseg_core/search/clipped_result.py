@@ -24,7 +24,7 @@ from moseg_core.problem.hierarchy import Hierarchy
 from moseg_core.problem.problem import Problem
 from moseg_core.problem.settings import SearchOptions
 from moseg_core.search.checked_partition import make_partition
-from moseg_core.search.segment import prepare_components
+from moseg_core.search.request import prepare_components
 
 if TYPE_CHECKING:
     from moseg_core.search.result import Result

@@ -162,6 +162,25 @@ def kept_incumbents(
     return tuple(_rounded(step, size) for step in thinned([*found, last], most))
 
 
+def ended_with(
+    kept: Sequence[Incumbent], *, cost: Cost, centers: Centers, size: float
+) -> tuple[Incumbent, ...]:
+    """What a result keeps, with another end: labels were changed after the search.
+
+    Parameters
+    ----------
+    kept : sequence of Incumbent
+        See :func:`kept_incumbents`.
+    cost, centers
+        Of the result as it is now.
+    size : float
+        The diagonal of the shape, model units.
+    """
+    if not kept:
+        return ()
+    return (*kept[:-1], _rounded(replace(kept[-1], cost=cost, centers=centers), size))
+
+
 def _same(one: Incumbent, other: Incumbent) -> bool:
     """Whether two are the same candidate, on the same elements."""
     return (

@@ -2,7 +2,8 @@
 
 They share the processes, which take label sets side by side; the seconds; and the shape, whose
 coarse version, neighbours and fields are computed before there are several processes. What a
-process sends back is the result without shape and problem (:class:`Outcome`).
+process sends back is the result without shape and problem (:class:`Outcome`). The last steps
+(:mod:`moseg_core.search.last_steps`) are left to whoever knows which label set is taken.
 
 Of many label sets the better half goes on, as of several starts
 (:mod:`moseg_core.search.restarts`): all are first searched for briefly, on super-elements alone.
@@ -23,8 +24,10 @@ from moseg_core.components.protocols import Progress, Report, placed
 from moseg_core.errors import MosegError
 from moseg_core.problem.hierarchy import Hierarchy
 from moseg_core.problem.problem import Problem
-from moseg_core.problem.settings import NO_REFINER, Method, SearchOptions
+from moseg_core.problem.settings import Method, SearchOptions
 from moseg_core.problem.variants import Variants, parameterization_of
+from moseg_core.search.last_steps import LastSteps
+from moseg_core.search.request import Request
 from moseg_core.search.restarts import Listener, searched_shape
 from moseg_core.search.result import Result
 from moseg_core.search.segment import solve
@@ -139,21 +142,38 @@ class Trial:
         with Workers({"search": self.search}, self.processes, listener) as pool:
             if len(every) > _FEW and self.options.settings == "default":
                 half = math.ceil(len(every) / 2)
-                self._take(every, pool, brief=True, later=half)
+                self._take(every, pool, listener, brief=True, later=half)
                 if self.failure is not None or listener.stopped:
                     return
                 ranked = sorted(self.found, key=lambda k: score(self.found[k]))
                 every = self.finalists = sorted(ranked[:half])
-            self._take(every, pool, brief=False, later=0)
+            self._take(every, pool, listener, brief=False, later=0)
 
-    def _take(self, numbers: Sequence[int], pool: Workers, *, brief: bool, later: int) -> None:
-        """Search for certain label sets, before so many others."""
+    def _take(
+        self,
+        numbers: Sequence[int],
+        pool: Workers,
+        listener: Listener,
+        *,
+        brief: bool,
+        later: int,
+    ) -> None:
+        """Search for certain label sets, before so many others.
+
+        The last has all processes, for its starts, where it would else have one and the others
+        nothing to do.
+        """
         todo = len(numbers)
+        work = [(k, brief, todo - place, later) for place, k in enumerate(numbers)]
+        shared = work[-1:] if self.processes > 1 and todo % self.processes == 1 else []
         outcomes: list[Outcome] = pool.map(
             "search",
-            [(k, brief, todo - place, later) for place, k in enumerate(numbers)],
+            work[: todo - len(shared)],
             enough=lambda place, outcome: outcome.failure is not None,
         )
+        whole = len(outcomes) == todo - len(shared)
+        if whole and not listener.stopped and all(each.failure is None for each in outcomes):
+            outcomes += [self.search(*each, alone=True, report=listener) for each in shared]
         for outcome in outcomes:
             if outcome.record:
                 task = self.variants.tasks[outcome.number]
@@ -176,7 +196,9 @@ class Trial:
             **({"finalist": int(k in self.finalists)} if self.finalists else {}),
         }
 
-    def search(self, k: int, brief: bool, todo: int, later: int, *, report: Report) -> Outcome:
+    def search(
+        self, k: int, brief: bool, todo: int, later: int, *, alone: bool = False, report: Report
+    ) -> Outcome:
         """Search for one label set, in its share of the time that is left.
 
         Parameters
@@ -186,6 +208,8 @@ class Trial:
             Whether by the components' own parameters, from one start.
         todo, later : int
             How many are to be searched for in this way from here on, and in full afterwards.
+        alone : bool
+            Whether no other is searched for at the same time.
         report : callable
         """
         task, name = self.variants.tasks[k], self.variants.short_texts[k]
@@ -195,7 +219,7 @@ class Trial:
         if brief:
             level = self._level(task)
             mine, method = _brief(mine, method, task, coarse=level is not self.shape), Method()
-        if self.processes > 1:
+        if self.processes > 1 and not alone:
             mine = replace(mine, workers=1)
         if self.deadline is not None:
             rounds = math.ceil(todo / self.processes) + _LONGER * math.ceil(later / self.processes)
@@ -209,7 +233,13 @@ class Trial:
         with_place = placed(named, f"label set {k + 1} of {len(self.variants.tasks)}")
         try:
             found = solve(
-                level, task.problem, mine, defaults=method, report=with_place, **self.more
+                level,
+                task.problem,
+                mine,
+                defaults=method,
+                report=with_place,
+                finished=False,
+                **self.more,
             )
         except MosegError as error:
             found = error.result
@@ -267,6 +297,18 @@ def for_task(options: SearchOptions, task: Hierarchy, variants: Variants) -> Sea
     return replace(options, parameterization=chosen)
 
 
+def last_steps(
+    shape: Shape,
+    task: Hierarchy,
+    variants: Variants,
+    options: SearchOptions,
+    more: Mapping[str, Any],
+) -> LastSteps:
+    """What is done with the result for a label set, if it is taken; checked before the search."""
+    mine = for_task(options, task, variants)
+    return LastSteps.of(Request.of(shape, task.problem, mine, defaults=task.search, **more))
+
+
 def _shared_starts(task: Hierarchy, options: SearchOptions, count: int) -> Method:
     """How a label set is searched: with its share of the starts, where nobody says how many."""
     if options.restarts is not None or task.search.restarts is not None:
@@ -294,7 +336,6 @@ def _brief(
         seeder=replace(settled.seeder, parameters={}),
         labeler=replace(settled.labeler, parameters={}),
         optimizer=optimizer,
-        refiner=NO_REFINER,
         resolution="full" if coarse else settled.resolution,
         restarts=1,
         finalists=1,

@@ -37,9 +37,10 @@ from moseg_core.problem.statement import joined
 from moseg_core.search.alignment import Alignment
 from moseg_core.search.described_run import digest_of, run_of
 from moseg_core.search.pieces import PinsGiven, on_large_pieces
+from moseg_core.search.request import prepare_components
 from moseg_core.search.restarts import Listener
 from moseg_core.search.result import Result
-from moseg_core.search.segment import prepare_components, solve
+from moseg_core.search.segment import solve
 from moseg_core.shape.shape import Shape
 from moseg_core.shape.subshape import subshape
 from moseg_core.types import IntArray

@@ -21,6 +21,7 @@ import math
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -131,9 +132,11 @@ class Plan:
 
     Parameters
     ----------
-    coarse, fine, whole : ProblemEvaluator
-        On the shape that is searched, on that on which results are polished, and on that of the
-        input elements; one and the same where the search, or the polish, is on those.
+    coarse, whole : ProblemEvaluator
+        On the shape that is searched, and on that of the input elements; one and the same where
+        those are searched.
+    resolution : int or "full"
+        About how many elements the coarse shape has.
     ready : mapping of kind to PreparedComponent
     restarts, finalists, polished : int
         Number of starts, how many of them go on to the end, and how many of what they find on a
@@ -152,8 +155,8 @@ class Plan:
     """
 
     coarse: ProblemEvaluator
-    fine: ProblemEvaluator
     whole: ProblemEvaluator
+    resolution: int | str
     ready: Mapping[Kind, PreparedComponent]
     restarts: int
     finalists: int
@@ -164,6 +167,21 @@ class Plan:
     deadline: float | None
     repeats: bool
     exchanges: bool
+
+    @property
+    def is_large(self) -> bool:
+        """Whether results are polished on a level between the two."""
+        if self.coarse is self.whole:
+            return False
+        return self.whole.shape.n_elements > WORTH * FINER * int(self.resolution)
+
+    @cached_property
+    def fine(self) -> ProblemEvaluator:
+        """On the shape on which results are polished; made when the first one is."""
+        if not self.is_large:
+            return self.whole
+        resolution = FINER * int(self.resolution)
+        return on_level(self.whole, resolution, self.ready["parameterization"])
 
     @property
     def races(self) -> bool:
@@ -314,7 +332,7 @@ def carry_out(plan: Plan, workers: int, listener: Listener) -> tuple[list[RunOut
         "resumed": plan.resumed,
         "polish": plan.polish,
     }
-    for level in (plan.coarse, plan.fine, plan.whole):
+    for level in (plan.coarse, plan.whole):
         level.shape.make_ready()
     tracked = TrackedWorkers(plan.coarse, plan.whole)
     with Workers(tracked.tasks(tasks), workers, listener) as pool:
@@ -386,7 +404,7 @@ def finish(plan: Plan, outcomes: Sequence[RunOutcome], pool: TrackedWorkers) -> 
         vector = carried(outcome.vector, level, whole)
         return replace(outcome, vector=vector, cost=whole.evaluate(vector).cost)
 
-    if plan.fine is not whole:
+    if plan.is_large:
         # What processes have found out of millions of elements takes room; those that polish are
         # made anew, and share what this one has made by then.
         pool.release()

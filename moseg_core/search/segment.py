@@ -10,37 +10,29 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from typing import Any
 
-import numpy as np
 import numpy.typing as npt
 
-from moseg_core.components.chosen import Choice, PreparedComponent, prepare
+from moseg_core.components.chosen import Choice, PreparedComponent
 from moseg_core.components.discovery.specs import Kind
 from moseg_core.components.protocols import Centers, Report, never_stop
-from moseg_core.errors import MosegError, UsageError, unknown
+from moseg_core.errors import MosegError
 from moseg_core.problem.hierarchy import Hierarchy
-from moseg_core.problem.problem import ORIGINAL, Problem
+from moseg_core.problem.problem import Problem
 from moseg_core.problem.settings import (
-    CHOSEN_KINDS,
     ComponentChoice,
     Method,
     SearchOptions,
-    SettledOptions,
-    check_method,
 )
 from moseg_core.search.alignment import Alignment
 from moseg_core.search.beginning import until
-from moseg_core.search.checked_partition import make_partition
 from moseg_core.search.described_run import run_of
-from moseg_core.search.evaluator import ProblemEvaluator
-from moseg_core.search.exchange import best_order
 from moseg_core.search.incumbents import END, Incumbent, kept_incumbents
+from moseg_core.search.last_steps import LastSteps
 from moseg_core.search.pieces import on_large_pieces
-from moseg_core.search.refinement import ReadyRefiner, Refinement
+from moseg_core.search.request import Request
 from moseg_core.search.restarts import (
-    FINER,
     Listener,
     Plan,
     carry_out,
@@ -49,11 +41,9 @@ from moseg_core.search.restarts import (
     polisher,
     shared_budget,
 )
-from moseg_core.search.result import REFINE, Result, find_warnings
+from moseg_core.search.result import Result, find_warnings
 from moseg_core.search.run import RunOutcome
-from moseg_core.shape.pins import read_pins
 from moseg_core.shape.shape import Shape
-from moseg_core.types import IntArray
 
 
 def segment(
@@ -196,323 +186,146 @@ def solve(
     freeze: Sequence[str] = (),
     pins: Mapping[str, npt.ArrayLike] | None = None,
     report: Report | None = None,
+    finished: bool = True,
 ) -> Result:
     """The same as :func:`segment`, with the options in one piece; no pieces are left out.
 
-    Check the request; embed the shape (Sec. 9), group its elements, and make an evaluator for
-    each of the two; run the starts; partition the input's elements by the best vector found, and
-    refine the boundaries where that is asked for.
+    Check the request; group the shape's elements; run the starts; partition the input's elements by
+    the best vector found; and take the last steps, unless they are taken later.
     """
-    if isinstance(problem, Hierarchy):
-        raise UsageError("segment takes one Problem; give a Hierarchy to segment_hierarchy")
-    if not isinstance(problem, Problem):
-        raise UsageError(
-            f"segment takes a Problem, not {problem!r:.60}; give a recipe to segment_variants"
-        )
-    if defaults is not None:
-        check_method(defaults, "defaults")
-    settled = options.settled(defaults)
-    ready = prepare_components(problem, settled)
-    refiner = ReadyRefiner.of(ready["refiner"]) if "refiner" in ready else None
-    n = len(problem.labels)
-    settled.check_resolution(n)
-    frozen = check_frozen(problem, freeze)
-    start_centers = _start_centers(start, problem)
-    pinned = read_pins(pins or {}, problem.labels, shape.n_elements)
-    seconds = settled.max_seconds
-    deadline = None if seconds is None else time.monotonic() + seconds
-    embedded = problem.embed(shape)
-    partition = make_partition(ready["parameterization"], embedded, problem)
-    whole = ProblemEvaluator(embedded, problem, partition, pins=pinned)
-    if start_centers is not None:
-        _check_counts(start_centers, partition.centers_per_part, problem.labels)
-    lacking = "" if refiner is None else refiner.check(whole)
+    began = time.monotonic()
+    request = Request.of(
+        shape, problem, options, defaults=defaults, start=start, freeze=freeze, pins=pins
+    )
+    steps = LastSteps.of(request) if finished else None
     listener = Listener(report or never_stop)
+    seconds = request.settled.max_seconds
+    deadline = None if seconds is None else began + seconds
+    repeats = options.restarts is not None
+    result = search(shape, request, listener, deadline=deadline, repeats=repeats)
+    if steps is None:
+        return result
+    return steps.taken(result, listener, report=until(deadline, listener))
 
-    coarse = fine = on_level(whole, settled.resolution, ready["parameterization"])
-    if coarse is not whole:
-        fine = on_level(whole, FINER * int(settled.resolution), ready["parameterization"])
-        if settled.settings == "default":
-            ready["optimizer"] = ready["optimizer"].tuned("coarse")
+
+def search(
+    shape: Shape,
+    request: Request,
+    listener: Listener,
+    *,
+    deadline: float | None,
+    repeats: bool,
+) -> Result:
+    """What the starts of a run find, on input elements; the last steps are not taken.
+
+    Parameters
+    ----------
+    shape : Shape
+        As the user gave it.
+    request : Request
+    listener : Listener
+    deadline : float or None
+        On the clock of :func:`time.monotonic`.
+    repeats : bool
+        Whether somebody has said how many starts there are to be.
+
+    Raises
+    ------
+    MosegError
+        A component has failed. What had been found by then is the error's ``result``.
+    """
+    settled, whole = request.settled, request.whole
+    ready = dict(request.ready)
+    coarse = on_level(whole, settled.resolution, ready["parameterization"])
+    if coarse is not whole and settled.settings == "default":
+        ready["optimizer"] = ready["optimizer"].tuned("coarse")
     plan = Plan(
         coarse=coarse,
-        fine=fine,
         whole=whole,
+        resolution=settled.resolution,
         ready=shared_budget(ready, settled.restarts),
         restarts=settled.restarts,
         finalists=settled.finalists,
         polished=settled.polished,
         seed=settled.seed,
-        start=start_centers,
-        frozen=frozen,
+        start=request.start,
+        frozen=request.frozen,
         deadline=deadline,
-        repeats=options.restarts is not None,
-        exchanges=settled.settings != "paper",
+        repeats=repeats,
+        exchanges=request.exchanges,
     )
     outcomes, best = carry_out(plan, settled.workers, listener)
-    found = _labelled(whole, best)
-    if refiner is not None and best.failure is None:
-        found = refiner.refine(
-            whole,
-            found,
-            report=until(deadline, listener),
-            interrupted=listener.stopped,
-            warning=lacking,
-        )
-    if best.failure is None and found.failure is None and not listener.stopped:
-        best, found = _exchanged(plan, best, found)
-    result = _result(
-        shape, plan, settled, ready, outcomes, best, found, interrupted=listener.stopped
-    )
-    if isinstance(start, Alignment) and start.warnings:
-        result = replace(result, warnings=(*start.warnings, *result.warnings))
-    failure = best.failure or found.failure
-    if failure is not None:
-        failure.result = result
-        raise failure
-    return result
-
-
-def _labelled(whole: ProblemEvaluator, best: RunOutcome) -> Refinement:
-    """The labels of the best vector and their cost, as the search leaves them."""
     labels = whole.labels(best.vector)
     try:
-        return Refinement(labels=labels, evaluation=whole.evaluate_labels(labels))
-    except MosegError as error:
-        raise best.failure or error from None  # once more what had ended the run
-
-
-def _exchanged(plan: Plan, best: RunOutcome, found: Refinement) -> tuple[RunOutcome, Refinement]:
-    """Vector and labels after the last exchange of labels; what a refiner moved may call for it.
-
-    Where an exchange is about labels of different numbers of centres, no vector is sure to have its
-    partition, and the centres are only near.
-    """
-    whole, names = plan.whole, plan.whole.problem.labels
-    try:
-        order = best_order(whole, best.vector, found.labels, frozen=plan.frozen)
-        if (order == np.arange(len(order))).all():
-            return best, found
-        labels = np.argsort(order).astype(np.int32)[found.labels]
         evaluation = whole.evaluate_labels(labels)
     except MosegError as error:
-        return best, replace(found, failure=error)
-    if not plan.exchanges:
-        moved = [f"'{names[k]}'" for k in np.flatnonzero(order != np.arange(len(order)))]
-        said = (
-            f"exchanging the labels {', '.join(moved[:-1])} and {moved[-1]} would lower the cost"
-            f" from {found.evaluation.cost.value:.4g} to {evaluation.cost.value:.4g}; --settings"
-            " default does so"
-        )
-        return best, replace(found, warning="; ".join(filter(None, [found.warning, said])))
-    vector = whole.parameterization.permute(best.vector, order)
-    return replace(best, vector=vector), replace(found, labels=labels, evaluation=evaluation)
-
-
-def _result(
-    shape: Shape,
-    plan: Plan,
-    settled: SettledOptions,
-    ready: Mapping[Kind, PreparedComponent],
-    outcomes: Sequence[RunOutcome],
-    best: RunOutcome,
-    found: Refinement,
-    *,
-    interrupted: bool,
-) -> Result:
-    """The best of what was found, with all that there is to tell of how it was."""
-    whole = plan.whole
-    problem = whole.problem
+        raise best.failure or error from None  # once more what had ended the run
     reason = best.reason
-    if found.failure is not None:
-        reason = "failed"
-    elif interrupted and best.failure is None:
+    if listener.stopped and best.failure is None:
         reason = "interrupted"
     elif "seconds" in (reason, *(outcome.reason for outcome in outcomes)):
         reason = "seconds"
-    stopped = reason in ("interrupted", "seconds", "failed")
-    segmentation = whole.segmentation(found.labels).view(shape.space)
-    warnings = [outcome.warning for outcome in outcomes[:1] if outcome.warning]
-    warnings += find_warnings(found.evaluation, segmentation, problem.labels, reason)
-    warnings += disagreement(outcomes) if plan.repeats else []
-    warnings += [found.warning] if found.warning else []
+    segmentation = whole.segmentation(labels).view(shape.space)
+    centers = whole.parameterization.decode(best.vector)
+    last = Incumbent(stage=END, evaluations=best.evaluations, cost=evaluation.cost, centers=centers)
+    result = Result(
+        shape=shape,
+        problem=whole.problem,
+        labels=labels,
+        evaluation=evaluation,
+        centers=centers,
+        history=_history(plan, outcomes, best),
+        incumbents=kept_incumbents(best.incumbents, last, size=whole.shape.frame.scale),
+        method=_method(plan, request, ready, reason, outcomes),
+        seed=settled.seed,
+        versions=_versions(plan, ready),
+        reason=reason,
+        dimension=(whole.constraints.n_free, whole.constraints.n_all),
+        warnings=(
+            *request.warnings,
+            *[outcome.warning for outcome in outcomes[:1] if outcome.warning],
+            *find_warnings(evaluation, segmentation, whole.problem.labels, reason),
+            *(disagreement(outcomes) if plan.repeats else []),
+        ),
+    )
+    if best.failure is not None:
+        best.failure.result = result
+        raise best.failure
+    return result
+
+
+def _history(
+    plan: Plan, outcomes: Sequence[RunOutcome], best: RunOutcome
+) -> dict[str, tuple[dict[str, float], ...]]:
+    """The records of the start that won, and one of each start where there were several."""
     history = dict(best.history)
-    if found.history:
-        history[REFINE] = found.history
     if plan.restarts > 1 and outcomes and (len(outcomes) > 1 or plan.repeats):
         history["restarts"] = tuple(
             {"value": o.cost.value, "empty": o.cost.empty, "finalist": int(o.reason != "paused")}
             for o in outcomes
         )
-    centers = whole.parameterization.decode(best.vector)
-    last = Incumbent(
-        stage=END,
-        evaluations=best.evaluations,
-        cost=found.evaluation.cost,
-        centers=centers,
-    )
-    chosen: dict[str, str] = {
-        kind: str(Choice(ready[kind].component.id, ready[kind].parameters)) for kind in ready
+    return history
+
+
+def _method(
+    plan: Plan,
+    request: Request,
+    ready: Mapping[Kind, PreparedComponent],
+    reason: str,
+    outcomes: Sequence[RunOutcome],
+) -> dict[str, str]:
+    """Components and settings as they were used."""
+    settled, embedding = request.settled, plan.whole.problem.embedding
+    stopped = reason in ("interrupted", "seconds", "failed")
+    return {
+        **{kind: str(Choice(ready[kind].component.id, ready[kind].parameters)) for kind in ready},
+        **({"embedding": str(embedding)} if embedding else {}),
+        "settings": settled.settings,
+        "resolution": str(settled.resolution),
+        "restarts": str(plan.restarts if stopped else len(outcomes)),
+        "finalists": str(settled.finalists),
+        "polished": str(settled.polished),
     }
-    return Result(
-        shape=shape,
-        problem=problem,
-        labels=found.labels,
-        evaluation=found.evaluation,
-        centers=centers,
-        history=history,
-        incumbents=kept_incumbents(best.incumbents, last, size=whole.shape.frame.scale),
-        method={
-            **chosen,
-            **({"embedding": str(problem.embedding)} if problem.embedding else {}),
-            "settings": settled.settings,
-            "resolution": str(settled.resolution),
-            "restarts": str(plan.restarts if stopped else len(outcomes)),
-            "finalists": str(settled.finalists),
-            "polished": str(settled.polished),
-        },
-        seed=settled.seed,
-        versions=_versions(plan, ready),
-        reason=reason,
-        dimension=(whole.constraints.n_free, whole.constraints.n_all),
-        warnings=tuple(warnings),
-    )
-
-
-def _start_centers(start: Centers | Result | Alignment | None, problem: Problem) -> Centers | None:
-    """Centres in the problem's order, or a UsageError where they do not fit it."""
-    if isinstance(start, Alignment):
-        start = matched_centers(start.labels, start.centers, problem, embedding=start.embedding)
-    if isinstance(start, Result):
-        if isinstance(start.problem, Hierarchy):
-            raise UsageError(
-                "the start is a result of several levels, whose centres belong to different"
-                " partitions; start from a result of one level, such as result.levels['']"
-            )
-        embedding = start.problem.embedding
-        start = matched_centers(start.problem.labels, start.centers, problem, embedding=embedding)
-    n = len(problem.labels)
-    if start is not None and not isinstance(start, Centers):
-        raise UsageError(f"the start must be Centers, a Result or an Alignment, not {start!r:.60}")
-    if start is None:
-        return None
-    parts = np.arange(n) if start.parts is None else np.asarray(start.parts)
-    count = len(parts) if parts.ndim == 1 else 0
-    if np.shape(start.positions) != (count, 3) or np.shape(start.weights) != (count,):
-        raise UsageError(f"the start needs a centre and a weight for each of {n} labels")
-    if parts.dtype.kind not in "iu" or np.unique(parts).tolist() != [*range(n)]:
-        raise UsageError(f"the start must say for each centre which of {n} labels it belongs to")
-    order = np.argsort(parts, kind="stable")
-    return Centers(
-        positions=np.asarray(start.positions)[order],
-        weights=np.asarray(start.weights)[order],
-        parts=None if count == n else parts[order].astype(np.int64),
-    )
-
-
-def _check_counts(start: Centers, allowed: IntArray, labels: Sequence[str]) -> None:
-    """Refuse a start that has another number of centres for a label than the parameterization.
-
-    One for each label is a start for all.
-    """
-    given = start.per_part
-    if (given == 1).all() or (given == allowed).all():
-        return
-    k = int(np.flatnonzero(given != allowed)[0])
-    raise UsageError(
-        f"the start has {given[k]} centres for label '{labels[k]}', and the parameterization"
-        f" {allowed[k]}; give as many, such as --parameterization"
-        f""" 'voronoi(centers="{_counted(given, labels)}")', or begin without a start"""
-    )
-
-
-def _counted(counts: IntArray, labels: Sequence[str]) -> str:
-    """How many centres labels have, where it is not one."""
-    return ",".join(f"{name}={c}" for name, c in zip(labels, counts, strict=True) if c > 1)
-
-
-def matched_centers(
-    names: Sequence[str],
-    centers: Centers,
-    problem: Problem,
-    *,
-    embedding: str | Choice | None = None,
-) -> Centers:
-    """The centres of an earlier result in the order of a problem's labels.
-
-    Parameters
-    ----------
-    names : sequence of str
-        The labels of the earlier result.
-    centers : Centers
-    problem : Problem
-    embedding : str, Choice or None
-        That of the earlier result.
-
-    Raises
-    ------
-    UsageError
-        The two do not have the same labels, or their partitions are in different spaces.
-    """
-    there, here = (
-        ORIGINAL if choice is None else Choice.read(choice, "embedding").name.rpartition(":")[2]
-        for choice in (embedding, problem.embedding)
-    )
-    if there != here:
-        raise UsageError(
-            f"the start has its centres in the space '{there}', and the partition is to be found in"
-            f" '{here}'; go on in the same space (--embedding"
-            f" {'none' if embedding is None else embedding}), or begin without a start"
-        )
-    if sorted(names) != sorted(problem.labels):
-        raise UsageError(
-            f"the start has the labels {', '.join(names)}; the problem has"
-            f" {', '.join(problem.labels)}"
-        )
-    return centers.ordered(np.array([list(names).index(name) for name in problem.labels]))
-
-
-def check_frozen(problem: Problem, freeze: Sequence[str]) -> list[int]:
-    """Indices of the labels to freeze.
-
-    Raises
-    ------
-    UsageError
-        An unknown label, or a text instead of a list.
-    """
-    if isinstance(freeze, str):
-        raise UsageError(f"freeze must be a list of labels, not the text '{freeze}'")
-    for name in freeze:
-        if name not in problem.labels:
-            raise UsageError(f"freeze: {unknown('label', name, problem.labels)}")
-    return [problem.labels.index(name) for name in freeze]
-
-
-def prepare_components(problem: Problem, options: SettledOptions) -> dict[Kind, PreparedComponent]:
-    """Find, load and check the components of a run, tuned to the settings.
-
-    There is a refiner among them only where one was asked for.
-
-    Parameters
-    ----------
-    problem : Problem
-        Says where to look.
-    options : SettledOptions
-
-    Raises
-    ------
-    UsageError, PluginError
-        See :func:`moseg_core.components.chosen.prepare`.
-    """
-    chosen = {kind: getattr(options, kind) for kind in CHOSEN_KINDS}
-    found = {
-        kind: prepare(choice, kind, problem.registry)
-        for kind, choice in chosen.items()
-        if choice is not None
-    }
-    if options.settings != "default":
-        return found
-    return {kind: component.tuned("default") for kind, component in found.items()}
 
 
 def _versions(plan: Plan, ready: Mapping[Kind, PreparedComponent]) -> dict[str, str]:

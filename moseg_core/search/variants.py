@@ -33,8 +33,9 @@ from moseg_core.problem.statement import Statement
 from moseg_core.problem.variants import Variants
 from moseg_core.search.alignment import Alignment
 from moseg_core.search.alternatives import chosen_among
+from moseg_core.search.beginning import until
 from moseg_core.search.described_run import run_of
-from moseg_core.search.label_set_trial import Trial, for_task
+from moseg_core.search.label_set_trial import Trial, for_task, last_steps
 from moseg_core.search.levels import check_hierarchy, divided, solve_hierarchy
 from moseg_core.search.pieces import on_large_pieces
 from moseg_core.search.restarts import Listener
@@ -164,8 +165,9 @@ def _solved(
     able = [t for t in variants.tasks if len(t.problem.labels) <= shape.n_elements]
     variants = replace(variants, tasks=tuple(able) or variants.tasks[:1])
     listener = Listener(report or never_stop)
-    trial = Trial.of(shape, variants, options, more)
     began = time.monotonic()
+    steps = [last_steps(shape, task, variants, options, more) for task in variants.tasks]
+    trial = Trial.of(shape, variants, options, more)
     trial.run(listener)
     if not trial.found:
         assert trial.failure is not None  # the first label set is always tried
@@ -180,6 +182,7 @@ def _solved(
     if trial.failure is not None:
         trial.failure.result = chosen
         raise trial.failure
+    chosen = steps[best].taken(chosen, listener, report=until(trial.deadline, listener))
     best_task = variants.tasks[best]
     if not best_task.children:
         return chosen

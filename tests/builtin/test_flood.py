@@ -41,10 +41,10 @@ def flood(points, adjacency, centers, weights):
 
 def used(n_centers, n_elements):
     """A workspace that is larger than need be and holds what another flood has left in it."""
-    arrays = workspace(n_centers + 2, n_elements)
-    for array in arrays:
+    table, rows, key, code = workspace(n_centers + 2, n_elements)
+    for array in (table, key, code):
         array.fill(-3)
-    return arrays
+    return table, rows, key, code
 
 
 def neighbors(adjacency):
@@ -86,6 +86,31 @@ def test_ties_go_by_distance_then_centre_then_element(case):
     points, adjacency, centers, weights = case
     expected = connected_partition(points.tolist(), neighbors(adjacency), centers, weights)
     assert flood(*case) == expected
+
+
+@given(
+    cases(integer=True) | cases(integer=False),
+    st.lists(st.tuples(st.integers(0, 5), st.booleans(), st.integers(0, 9)), max_size=6),
+)
+@settings(max_examples=100, deadline=None)
+def test_a_flood_does_not_depend_on_those_before_it_in_a_workspace(case, moves):
+    points, adjacency, centers, weights = case
+    space = workspace(len(centers) + 1, len(points))
+    graph = adjacency.indptr, adjacency.indices
+    for k, changes_weight, to in [(0, False, 0), *moves]:
+        centers, weights, k = centers.copy(), weights.copy(), k % len(centers)
+        if changes_weight:
+            weights[k] *= 1.5
+        else:
+            centers[k] = points[to % len(points)]
+        labels = np.full(len(points), 77, np.int32)
+        flood_labels(points, centers, weights, *graph, labels, *space)
+        assert labels.tolist() == flood(points, adjacency, centers, weights)
+        voronoi_labels(points, centers, weights, labels, *space[:2])
+        assert labels.tolist() == voronoi_partition(points, centers, weights)
+        if len(centers) > 1:  # fewer centres, as where some of a part coincide
+            flood_labels(points, centers[1:], weights[1:], *graph, labels, *space)
+            assert labels.tolist() == flood(points, adjacency, centers[1:], weights[1:])
 
 
 @given(
@@ -132,7 +157,7 @@ def test_without_adjacency_each_element_takes_its_nearest_weighted_centre(case, 
     if on_a_grid:
         points, centers = points.round(), centers.round()
     labels = np.full(len(points), 77, np.int32)
-    voronoi_labels(points, centers, weights, labels, used(len(centers), len(points))[0])
+    voronoi_labels(points, centers, weights, labels, *used(len(centers), len(points))[:2])
     assert labels.tolist() == voronoi_partition(points.tolist(), centers, weights)
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -9,8 +11,9 @@ from hypothesis import strategies as st
 
 from moseg_core.components.labellings import Labellings, Summary
 from moseg_core.errors import ShapeError
-from moseg_core.shape import row_threads
+from moseg_core.shape import gaps, row_threads
 from moseg_core.shape.coarse import coarsen
+from moseg_core.shape.gaps import least_distance
 from moseg_core.shape.shape import Shape
 from tests import shapes
 from tests.components.test_field import Heights, capsule
@@ -53,6 +56,13 @@ def tables(found, wanted):
         "between": found.lengths()[1],
         "field around": found.integrals("height", {})[0],
         "field between": found.integrals("height", {})[1],
+        "gaps": np.reshape(
+            [
+                found.gap(b, i, j)
+                for b, i, j in itertools.product(*map(range, found.lengths()[1].shape))
+            ],
+            found.lengths()[1].shape,
+        ),
     }
 
 
@@ -159,3 +169,22 @@ def test_boundaries_need_to_know_what_touches():
     cloud = Shape.from_points(shapes.sphere(1)[0])
     with pytest.raises(ShapeError):
         labelled(cloud, np.zeros((1, cloud.n_elements)), 1).lengths()
+
+
+def test_a_gap_that_several_labellings_have_is_measured_once(monkeypatch):
+    asked = []
+
+    def counted(points, labels, one, other):
+        asked.append((one, other))
+        return least_distance(points, labels, one, other)
+
+    monkeypatch.setattr(gaps, "least_distance", counted)
+    level = LEVELS["mesh"]
+    labels = np.zeros((3, level.n_elements), np.int32)
+    labels[:, :3], labels[:, 3:6] = 1, 2
+    labels[2, 6:9] = 2  # another third part
+    found = labelled(level, labels, 3)
+    values = [found.gap(b, 1, 2) for b in range(3)] + [found.gap(b, 2, 1) for b in range(3)]
+    assert asked == [(1, 2), (1, 2)]
+    assert values[:3] == values[3:]
+    assert values[0] == values[1] >= values[2] > 0

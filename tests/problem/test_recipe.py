@@ -16,7 +16,7 @@ from moseg_core.problem.problem import Problem
 from moseg_core.problem.recipe import Recipe, load_recipe, parse_recipe
 from moseg_core.problem.settings import Method, SearchOptions
 from moseg_core.problem.statement import Statement
-from moseg_core.search.segment import prepare_components
+from moseg_core.search.request import prepare_components
 
 LEAST = 'labels = ["a"]\nminimize = "narrow(a)"\n'
 

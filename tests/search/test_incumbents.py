@@ -16,6 +16,7 @@ from moseg_core.problem.statement import Statement
 from moseg_core.search.incumbents import (
     Improvement,
     Incumbent,
+    ended_with,
     followed,
     kept_incumbents,
     note,
@@ -137,6 +138,16 @@ def test_thinning_is_even_in_the_logarithm():
     kept = thinned([step(count) for count in range(1, 1001)], 10)
     gaps = np.diff(np.log([one.evaluations for one in kept]))
     assert gaps.max() < 2.5 * gaps.min()
+
+
+def test_what_was_changed_after_the_search_has_another_end():
+    kept = kept_incumbents([step(1, value=3.0), step(9, value=2.0)], step(9, stage="end"), size=1.0)
+    at = Centers(positions=np.full((2, 3), 0.123456), weights=np.ones(2))
+    ended = ended_with(kept, cost=Cost(0, 1.23456789), centers=at, size=1.0)
+    assert ended[:-1] == kept[:-1]
+    assert (ended[-1].stage, ended[-1].evaluations, ended[-1].cost.value) == ("end", 9, 1.23457)
+    assert ended[-1].centers.positions.tolist() == [[0.1235] * 3] * 2
+    assert ended_with((), cost=Cost(0, 1.0), centers=at, size=1.0) == ()
 
 
 def test_a_run_keeps_a_bounded_number():

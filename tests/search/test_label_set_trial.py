@@ -104,6 +104,13 @@ def test_the_seconds_are_shared(monkeypatch):
     assert seconds == sorted(seconds)
 
 
+@pytest.mark.parametrize(("labels", "here"), [("box{2..4}", [2]), ("box{2..3}", [])])
+def test_what_is_left_over_for_one_process_has_all(monkeypatch, labels, here):
+    asked = spied(monkeypatch)  # of other processes nothing is known here
+    segment_variants(row(2), replace(BOXES, labels=(labels,)), workers=2)
+    assert [options.workers for _, options, _ in asked] == here
+
+
 def test_parameters_about_a_label_go_to_the_label_sets_that_have_it(monkeypatch):
     asked = spied(monkeypatch)
     segment_variants(row(2), BOXES, parameterization='voronoi(centers="box1=2,box4=2")')

@@ -90,8 +90,8 @@ def plan_of(
     }
     return Plan(
         coarse=evaluator,
-        fine=evaluator,
         whole=evaluator,
+        resolution="full",
         ready=ready,
         restarts=restarts,
         finalists=finalists,
@@ -298,8 +298,8 @@ def finished(ends, *, deadline=0.0, finer=None, polished=2):
     ]
     plan = Plan(
         coarse=coarse,
-        fine=fine,
         whole=whole,
+        resolution=coarse.shape.n_elements,
         ready={"optimizer": stranger("optimizer", Staying)},
         restarts=len(ends),
         finalists=1,
@@ -311,6 +311,7 @@ def finished(ends, *, deadline=0.0, finer=None, polished=2):
         repeats=True,
         exchanges=False,
     )
+    vars(plan)["fine"] = fine  # in place of one that would be made of as many elements
     tracked = TrackedWorkers(coarse, whole)
 
     class Here:

@@ -16,7 +16,7 @@ from moseg_core.components.segmentation import Segmentation
 from moseg_core.errors import UsageError
 from moseg_core.problem.problem import Problem
 from moseg_core.problem.settings import Method
-from moseg_core.search import segment as segment_module
+from moseg_core.search import restarts
 from moseg_core.search.segment import segment
 from moseg_core.shape.shape import Shape
 from tests import shapes
@@ -83,7 +83,7 @@ def test_polishing_does_not_make_it_worse(result):
 def test_a_large_shape_is_polished_on_a_level_between(monkeypatch):
     options = {"seeder": "evolution(population=8, iterations=3)", "restarts": 1}
     exact = run(**options)
-    monkeypatch.setattr(segment_module, "FINER", 3)
+    monkeypatch.setattr(restarts, "FINER", 3)
     SEEN.clear()
     found = run(**options)
     fresh = PROBLEM.evaluate(SHAPE, found.labels)
@@ -97,7 +97,7 @@ def test_a_large_shape_is_polished_on_a_level_between(monkeypatch):
 
 
 def test_a_polish_that_costs_more_on_input_elements_is_not_taken(monkeypatch):
-    monkeypatch.setattr(segment_module, "FINER", 3)
+    monkeypatch.setattr(restarts, "FINER", 3)
     rough = run(restarts=1, max_seconds=1e-9)  # nothing is polished
     found = run(restarts=1, start=rough)
     assert found.cost <= rough.cost
