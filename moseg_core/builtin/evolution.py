@@ -50,6 +50,8 @@ class Evolution:
         How many individuals meet in a tournament.
     """
 
+    searches = True
+
     #: What measurements recommend where there are several starts (benchmarks/speed_jobs/stages.py).
     presets: ClassVar[Mapping[str, Mapping[str, Any]]] = {
         "default": {"population": 20, "iterations": 6}

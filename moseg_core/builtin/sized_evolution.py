@@ -85,6 +85,8 @@ class SizedEvolution:
         Sizes of another kind.
     """
 
+    searches = True
+
     #: Where there are several starts, these do what relocations do within one.
     presets: ClassVar[Mapping[str, Mapping[str, Any]]] = {
         "default": {"population": 30, "generations": 12, "relocations": 0}

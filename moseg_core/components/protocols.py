@@ -434,7 +434,12 @@ def never_stop(progress: Progress) -> bool:
 
 @runtime_checkable
 class Seeder(Protocol):
-    """An initial placement of the centres, of weight 1 unless it knows better (Sec. 5)."""
+    """An initial placement of the centres, of weight 1 unless it knows better (Sec. 5).
+
+    A class of seeders that are a search in themselves, whose seeds are the best of many by the
+    problem's cost, may say so by an attribute ``searches = True``: seeds for problems that compete
+    are then compared before anything else is done.
+    """
 
     def __call__(
         self, evaluator: Evaluator, *, rng: np.random.Generator, report: Report

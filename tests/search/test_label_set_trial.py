@@ -71,6 +71,44 @@ def test_of_many_the_better_half_goes_on(resolution):
     assert not any("finalist" in record for record in tried_sets(found.history).values())
 
 
+EVOLVED = "sized_evolution(population=12, generations=6, relocations=0)"
+
+
+@pytest.mark.parametrize("resolution", [40, "full"])
+@pytest.mark.parametrize("workers", [1, 2])
+def test_where_seeds_say_enough_the_search_goes_on_from_the_better_ones(resolution, workers):
+    more = {"resolution": resolution, "restarts": 1, "seeder": EVOLVED}
+    found = segment_variants(row(3), BOXES, workers=workers, **more)
+    tried = tried_sets(found.history)
+    assert {name: record["finalist"] for name, record in tried.items()} == {
+        "box{2}": tried["box{2}"]["finalist"],
+        "box{3}": 1,
+        "box{4}": 1 - tried["box{2}"]["finalist"],
+    }
+    assert len(found.parts) == 3
+    assert list(found.history)[:2] == ["seeding", "search"]
+    assert found.incumbents[0].stage == "start"
+    assert found.cost < found.incumbents[0].cost.value
+    assert found.reason == "converged"
+    assert found.method["seeder"].startswith("core:sized_evolution(")
+    assert "max_evaluations" not in found.method["optimizer"]
+
+
+@pytest.mark.parametrize(
+    "more",
+    [
+        {"seeder": "kmeans", "restarts": 1},  # it knows nothing of costs
+        {"seeder": EVOLVED, "restarts": 2},
+        {"seeder": EVOLVED, "restarts": 1, "settings": "paper"},
+    ],
+)
+def test_where_they_do_not_all_are_searched_for(more):
+    found = segment_variants(row(3), BOXES, resolution=40, **more)
+    tried = tried_sets(found.history).values()
+    assert len(tried) == 3
+    assert not any("finalist" in record for record in tried)
+
+
 def test_the_coarse_shape_is_made_once(monkeypatch):
     made = []
 
