@@ -10,10 +10,10 @@ many labels.
 
 The label sets share what one search would have: the starts that nobody gave a number for, the
 seconds, the processes, which take label sets side by side; and the shape with its coarse version,
-fields and neighbours, which are computed once. Of more than four, all are searched for briefly, by
-the components' own parameters for the settings from one start, and the better half goes on to the
-search that was asked for. Label sets compete on the first level; the parts of the winner are then
-divided, where they are.
+fields and neighbours, which are computed once. The better half goes on where there are many, or
+where seeds say enough (:mod:`moseg_core.search.label_set_trial`). Label sets compete on the first
+level, by what their searches have found; boundaries are refined of the winner
+(:mod:`moseg_core.search.last_steps`), and its parts are then divided, where they are.
 """
 
 from __future__ import annotations
@@ -78,7 +78,7 @@ def segment_variants(
     Result
         Of the label set whose parts fit best (:func:`typical_cost`). Its history has a record for
         each that was tried, under "labels torso, leg{4}": number of parts, cost, typical cost, and
-        how many parts are empty.
+        how many parts are empty, before boundaries were refined.
 
     Raises
     ------

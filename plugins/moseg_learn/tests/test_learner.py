@@ -127,8 +127,10 @@ def test_places_move_boundaries_where_it_is_known_how_surely(herd, recipe):
     assert str(alone.statement.search.refiner) == "graph_cut(band=0.2)"
     unrefined = learn(herd, learner="profiles(refiner=none)").statement.search
     assert unrefined.refiner is None
-    # What no refiner moves is polished.
+    # What no refiner moves is polished, and of what one moves one result where there is time.
+    assert recipe.statement.variants
     assert (recipe.statement.search.polished, unrefined.polished) == (0, None)
+    assert learn(herd[:1]).statement.search.polished == 1
 
 
 def test_examples_may_be_labelled_in_part(herd):
