@@ -8,7 +8,7 @@ Distances go from middle to middle of neighbouring groups of elements
 (:mod:`moseg_objectives_basic.fields.places`), also to the neighbours' neighbours: along a grid of
 squares alone, a diagonal would be 1.41 times too long. The surface that they go to is taken at
 fewer places than those that they come from: each stands for the area around it, which changes a
-mean by two thousandths at most, on models of nine kinds. Elements have a mean over the groups
+mean by some two thousandths at most, on models of nine kinds. Elements have a mean over the groups
 around them, the nearer the more, so that values do not jump from one group to the next.
 """
 
@@ -53,7 +53,8 @@ def remoteness(shape: Shape) -> FloatArray:
     Notes
     -----
     After Hilaga et al. 2001, doi:10.1145/383259.383282, who subtract the least value instead of
-    dividing by it. On more than 1500 elements distances go between as many groups.
+    dividing by it. On more than 1500 elements distances come from as many groups, and on more
+    than 400 they go to so many of these.
 
     Examples
     --------

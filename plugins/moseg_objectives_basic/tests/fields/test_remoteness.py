@@ -44,6 +44,14 @@ def test_fewer_groups_of_elements_do_as_well(monkeypatch):
     assert len(set(rough.round(9).tolist())) > hammer.n_elements // 2
 
 
+@pytest.mark.parametrize("name", ["hammer", "horse"])
+def test_fewer_places_to_go_to_change_little(name, monkeypatch):
+    shape = moseg.load(moseg.sample_path(name))
+    values = remoteness(shape)
+    monkeypatch.setattr(module, "_TO", shape.n_elements)
+    assert values == pytest.approx(remoteness(shape), rel=0.005)
+
+
 def test_distances_are_those_of_the_shortest_paths(make):
     """By the book: Floyd and Warshall over neighbours and theirs."""
     shape = Shape.from_mesh(*make.ball(1))
