@@ -47,8 +47,8 @@ def workspace(n_centers: int, n_elements: int) -> Workspace:
     the flood before, and so is which is nearest to each.
     """
     entries = n_centers * n_elements
-    table, rows = np.empty((n_centers, n_elements)), np.full((n_centers, 5), np.nan)
-    return table, rows, np.empty(entries), np.empty(entries, np.int64)
+    table, known = np.empty((n_centers, n_elements)), np.full((n_centers, 5), np.nan)
+    return table, known, np.empty(entries), np.empty(entries, np.int64)
 
 
 @kernel
@@ -57,11 +57,12 @@ def _fill(
     centers: FloatArray,
     weights: FloatArray,
     distance: FloatArray,
-    rows: FloatArray,
+    known: FloatArray,
 ) -> None:
     """Write weighted distances ||p - c|| / w, one row per centre, where they are not there yet.
 
-    `rows` has for each row of the table the centre and weight that it is of, and its nearest point.
+    `known` has for each row of the table the centre and weight that it is of, and its nearest point;
+    a row depends on these and the points alone.
     """
     n, size = centers.shape[0], points.shape[0]
     # Coordinates one after the other, and no division that could fail: then the compiler takes
@@ -71,15 +72,15 @@ def _fill(
         cx, cy, cz, w = centers[i, 0], centers[i, 1], centers[i, 2], weights[i]
         if w == 0:
             raise ZeroDivisionError("a weight is 0")
-        known = rows[i]
-        if known[0] == cx and known[1] == cy and known[2] == cz and known[3] == w:
+        last = known[i]
+        if last[0] == cx and last[1] == cy and last[2] == cz and last[3] == w:
             continue
         row = distance[i]
         for f in range(size):
             dx, dy, dz = x[f] - cx, y[f] - cy, z[f] - cz
             row[f] = np.sqrt(dx * dx + dy * dy + dz * dz) / w
-        known[0], known[1], known[2], known[3] = cx, cy, cz, w
-        known[4] = np.argmin(row)
+        last[0], last[1], last[2], last[3] = cx, cy, cz, w
+        last[4] = np.argmin(row)
 
 
 @kernel
@@ -152,11 +153,11 @@ def voronoi_labels(
     weights: FloatArray,
     labels: Int32Array,
     table: FloatArray,
-    rows: FloatArray,
+    known: FloatArray,
 ) -> None:
     """Nearest weighted centre of each point, written into `labels`; ties to the lower centre."""
     distance = table[: centers.shape[0]]
-    _fill(points, centers, weights, distance, rows)
+    _fill(points, centers, weights, distance, known)
     for f in range(points.shape[0]):
         labels[f] = _nearest(distance, f)
 
@@ -221,7 +222,7 @@ def _flood(
 @kernel
 def _floods(
     distance: FloatArray,
-    rows: FloatArray,
+    known: FloatArray,
     key: FloatArray,
     code: IntArray,
     indptr: Int32Array,
@@ -239,7 +240,7 @@ def _floods(
     labels[:] = -1
     climbed = np.empty(size, np.int64)
     for i in range(n):
-        f = int(rows[i, 4])
+        f = int(known[i, 4])
         if nearest[f] == i:
             _climb(f, i, distance[i], nearest, indptr, indices, labels, climbed)
         else:
@@ -258,7 +259,7 @@ def flood_labels(
     indices: Int32Array,
     labels: Int32Array,
     table: FloatArray,
-    rows: FloatArray,
+    known: FloatArray,
     key: FloatArray,
     code: IntArray,
 ) -> None:
@@ -274,12 +275,12 @@ def flood_labels(
         Adjacency in CSR form.
     labels : (F,) int32, written
         Index of the centre that each element belongs to.
-    table, rows, key, code : (>= n, F), (>= n, 5), (>= nF,), (>= nF,)
+    table, known, key, code : (>= n, F), (>= n, 5), (>= nF,), (>= nF,)
         From :func:`workspace`; used for these points only.
     """
     distance = table[: centers.shape[0]]
-    _fill(points, centers, weights, distance, rows)
-    _floods(distance, rows, key, code, indptr, indices, labels)
+    _fill(points, centers, weights, distance, known)
+    _floods(distance, known, key, code, indptr, indices, labels)
     for f in range(points.shape[0]):
         if labels[f] < 0:
             labels[f] = _nearest(distance, f)
@@ -333,7 +334,7 @@ def flood_parts(
     indices: Int32Array,
     labels: Int32Array,
     table: FloatArray,
-    rows: FloatArray,
+    known: FloatArray,
     key: FloatArray,
     code: IntArray,
 ) -> None:
@@ -353,13 +354,13 @@ def flood_parts(
         Adjacency in CSR form.
     labels : (F,) int32, written
         The part that each element belongs to.
-    table, rows, key, code : (>= c, F), (>= c, 5), (>= cF,), (>= cF,)
+    table, known, key, code : (>= c, F), (>= c, 5), (>= cF,), (>= cF,)
         From :func:`workspace`; used for these points only.
     """
     c, size = centers.shape[0], points.shape[0]
     distance = table[:c]
-    _fill(points, centers, weights, distance, rows)
-    nearest = _floods(distance, rows, key, code, indptr, indices, labels)
+    _fill(points, centers, weights, distance, known)
+    nearest = _floods(distance, known, key, code, indptr, indices, labels)
     apart = _lie_apart(parts, component, indptr, indices, labels)
     if apart.any():
         for f in range(size):

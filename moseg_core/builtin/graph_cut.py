@@ -145,9 +145,10 @@ class GraphCut:
             return bool((count_pieces(shape.links, changed, n) <= most).all())
 
         refined = labels.copy()
-        # How a pair is divided depends on which elements bear its two labels, and on nothing else:
-        # a pair that was divided as the cut has it is divided once more when one of the two has
-        # changed since. `changed` has the last turn at which a label did, `divided` that of a pair.
+        # How a pair is divided depends on which elements bear its two labels, and on nothing else,
+        # and a cut that was carried out is found again. So a pair has its next turn when one of its
+        # labels has changed: `changed` has the last turn at which each label did, `divided` the
+        # last of each pair.
         turn, changed, divided = 0, np.zeros(n, np.int64), dict[tuple[int, int], int]()
         for sweep in range(_SWEEPS):
             before = refined
@@ -218,7 +219,7 @@ def _swapped(
     -------
     labels : (F,) int32
     whole : bool
-        Whether all is as the cut has it that would be cheaper: to try again would change nothing.
+        Whether all of the cut that is an improvement was carried out: once more, nothing changes.
     """
     local = labels[band.elements].astype(np.int64)
     swapped = energy.swapped(local, *pair)

@@ -9,6 +9,7 @@ import types
 import numpy as np
 import pytest
 
+from moseg_core.builtin import graph_cut, swaps
 from moseg_core.builtin.band import Band
 from moseg_core.builtin.graph_cut import GraphCut, count_pieces
 from moseg_core.builtin.voronoi import Voronoi
@@ -309,6 +310,56 @@ def test_places_count_on_solids_clouds_and_embedded_shapes_too(monkeypatch):
         x = shape.points[:, 0]
         start = (x > 6).astype(np.int32)
         assert (refined(shape, start, data=100.0, **options) == (x > 4)).all(), shape.noun
+
+
+# --- which pairs have a turn ---------------------------------------------------------------------
+
+
+def with_every_turn(shape, labels, n, *, width):
+    """The same with a turn of every pair in every sweep."""
+    evaluator, cut = evaluator_on(shape, n), GraphCut(field=None, band=width)
+    band = Band.of(shape, labels, n, width=width, pins=NO_PINS)
+    energy = swaps.Energy(
+        costs=cut._costs(evaluator, shape, band),
+        first=band.first,
+        second=band.second,
+        weights=cut._weights(evaluator)[0][band.links],
+    )
+    most = count_pieces(shape.links, labels, n)
+
+    def unbroken(after):
+        return bool((count_pieces(shape.links, after, n) <= most).all())
+
+    for _ in range(10):
+        before = labels
+        for pair in energy.touching(labels[band.elements]):
+            labels, _ = graph_cut._swapped(labels, band, energy, pair, unbroken)
+        if (labels == before).all():
+            return labels
+    return labels
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_what_is_left_out_would_change_nothing(monkeypatch, seed):
+    """Pairs whose labels have not changed since."""
+    shape = Shape.from_mesh(*shapes.jitter(shapes.sphere(3), 3, 0.01))
+    rng, n = np.random.default_rng(seed), 7
+    partition = Voronoi(shape, n)
+    centers = shape.points[rng.choice(shape.n_elements, n, replace=False)]
+    vector = partition.encode(Centers(positions=centers, weights=rng.uniform(0.5, 1.5, n)))
+    labels = partition.labels(vector[None])[0]
+    minimum_cut, cuts = swaps._cut, []
+
+    def counted(*arguments):
+        cuts.append(len(arguments[0]))
+        return minimum_cut(*arguments)
+
+    monkeypatch.setattr(swaps, "_cut", counted)
+    found = refined(shape, labels, n, band=0.3)
+    done = len(cuts)
+    assert (found == with_every_turn(shape, labels, n, width=0.3)).all()
+    assert (found != labels).any()
+    assert 0 < done < len(cuts) - done
 
 
 # --- what does not break -------------------------------------------------------------------------
