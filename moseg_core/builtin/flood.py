@@ -61,8 +61,8 @@ def _fill(
 ) -> None:
     """Write weighted distances ||p - c|| / w, one row per centre, where they are not there yet.
 
-    `known` has for each row of the table the centre and weight that it is of, and its nearest point;
-    a row depends on these and the points alone.
+    `known` has for each row of the table the centre and weight that it is of, and the point that is
+    nearest; a row depends on these and the points alone.
     """
     n, size = centers.shape[0], points.shape[0]
     # Coordinates one after the other, and no division that could fail: then the compiler takes
