@@ -2,7 +2,8 @@
 
 They share the processes, which take label sets side by side; the seconds; and the shape, whose
 coarse version, neighbours and fields are computed before there are several processes. What a
-process sends back is the result without shape and problem (:class:`Outcome`). The last steps
+process sends back is the result without shape and problem (:class:`Outcome`). What each
+search is asked to do is said in :mod:`moseg_core.search.label_set_options`; the last steps
 (:mod:`moseg_core.search.last_steps`) are left to whoever knows which label set is taken.
 
 Of many label sets the better half goes on, as of several starts
@@ -24,16 +25,19 @@ from typing import Any
 
 import numpy as np
 
-from moseg_core.components.chosen import Choice, prepare
-from moseg_core.components.parameters import PROVIDED, declared_parameters
 from moseg_core.components.protocols import Centers, Progress, Report, placed
 from moseg_core.errors import MosegError
 from moseg_core.problem.hierarchy import Hierarchy
 from moseg_core.problem.problem import Problem
 from moseg_core.problem.settings import Method, SearchOptions
-from moseg_core.problem.variants import Variants, parameterization_of
-from moseg_core.search.last_steps import LastSteps
-from moseg_core.search.request import Request, prepare_components
+from moseg_core.problem.variants import Variants
+from moseg_core.search.label_set_options import (
+    brief_search,
+    for_task,
+    seeds_alone,
+    seeds_say_enough,
+    shared_starts,
+)
 from moseg_core.search.restarts import Listener, searched_shape
 from moseg_core.search.result import Result
 from moseg_core.search.segment import solve
@@ -45,8 +49,6 @@ from moseg_core.shape.shape import Shape
 #: More label sets than this are tried briefly first, and the better half goes on: where seeds say
 #: enough, and elsewhere.
 _PAIR, _FEW = 2, 4
-#: What a limit on an optimizer's evaluations is called.
-_LIMIT = "max_evaluations"
 #: How long a search takes beside a brief one, when they share the seconds.
 _LONGER = 3
 
@@ -221,13 +223,9 @@ class Trial:
         """Whether seeds say enough of a label set, and the search can go on from them."""
         if self.more["start"] is not None:
             return False
-        task = self.variants.tasks[0]  # what is asked for is the same for all
-        settled = self.options.settled(_shared_starts(task, self.options, len(self.variants.tasks)))
-        ready = prepare_components(task.problem, settled)
-        searches = getattr(ready["seeder"].factory, "searches", False)
-        factory, provided = ready["optimizer"].factory, PROVIDED["optimizer"]
-        limited = {one.name for one in declared_parameters(factory, reserved=provided)}
-        return bool(searches) and settled.restarts == 1 and _LIMIT in limited
+        task = self.variants.tasks[0]
+        options = for_task(self.options, task, self.variants)
+        return seeds_say_enough(task, options, len(self.variants.tasks))
 
     def search(
         self,
@@ -258,15 +256,15 @@ class Trial:
         """
         task, name = self.variants.tasks[k], self.variants.short_texts[k]
         mine = for_task(self.options, task, self.variants)
-        method = _shared_starts(task, mine, len(self.variants.tasks))
+        method = shared_starts(task, mine, len(self.variants.tasks))
         level = self.shape
         if brief:
             level = self._level(task)
             coarse = level is not self.shape
             if self._by_seeds:
-                mine = _seeds_alone(mine, method, coarse=coarse)
+                mine = seeds_alone(mine, method, coarse=coarse)
             else:
-                mine, method = _brief(mine, method, task, coarse=coarse), Method()
+                mine, method = brief_search(mine, method, task, coarse=coarse), Method()
         if self.processes > 1 and not alone:
             mine = replace(mine, workers=1)
         if self.deadline is not None:
@@ -330,72 +328,3 @@ class Trial:
             slabs = np.empty(level.n_elements, np.int64)
             slabs[order] = np.arange(level.n_elements) * len(problem.labels) // level.n_elements
             problem.evaluate(level, slabs)
-
-
-def for_task(options: SearchOptions, task: Hierarchy, variants: Variants) -> SearchOptions:
-    """The options for one label set: what they say of labels that it lacks is left out."""
-    if not isinstance(options.parameterization, Choice):
-        return options
-    chosen = parameterization_of(
-        options.parameterization,
-        task.problem.labels,
-        variants.statement.declared,
-        task.registry,
-    )
-    return replace(options, parameterization=chosen)
-
-
-def last_steps(
-    shape: Shape,
-    task: Hierarchy,
-    variants: Variants,
-    options: SearchOptions,
-    more: Mapping[str, Any],
-) -> LastSteps:
-    """What is done with the result for a label set, if it is taken; checked before the search."""
-    mine = for_task(options, task, variants)
-    return LastSteps.of(Request.of(shape, task.problem, mine, defaults=task.search, **more))
-
-
-def _shared_starts(task: Hierarchy, options: SearchOptions, count: int) -> Method:
-    """How a label set is searched: with its share of the starts, where nobody says how many."""
-    if options.restarts is not None or task.search.restarts is not None:
-        return task.search
-    starts = options.settled(task.search).restarts
-    return replace(task.search, restarts=max(1, starts // count))
-
-
-def _seeds_alone(options: SearchOptions, method: Method, *, coarse: bool) -> SearchOptions:
-    """No search beyond seeds, of which the cost is found."""
-    settled = options.settled(method)
-    parameters = {**settled.optimizer.parameters, _LIMIT: 1}
-    return replace(
-        options,
-        optimizer=replace(settled.optimizer, parameters=parameters),
-        resolution="full" if coarse else settled.resolution,
-    )
-
-
-def _brief(
-    options: SearchOptions, method: Method, task: Hierarchy, *, coarse: bool
-) -> SearchOptions:
-    """A short search: the components that were chosen, with their own parameters, from one start.
-
-    On super-elements there is nothing to polish. Parameters of the parameterization stay: they say
-    what is searched for.
-    """
-    settled = options.over(method).settled()
-    optimizer = replace(settled.optimizer, parameters={})
-    if coarse:
-        ready = prepare(optimizer, "optimizer", task.registry).tuned("default").tuned("coarse")
-        optimizer = replace(optimizer, parameters=ready.parameters)
-    return replace(
-        options,
-        parameterization=settled.parameterization,
-        seeder=replace(settled.seeder, parameters={}),
-        labeler=replace(settled.labeler, parameters={}),
-        optimizer=optimizer,
-        resolution="full" if coarse else settled.resolution,
-        restarts=1,
-        finalists=1,
-    )

@@ -27,6 +27,7 @@ import numpy.typing as npt
 
 from moseg_core.components.protocols import Centers, Report, never_stop
 from moseg_core.errors import UsageError
+from moseg_core.problem.hierarchy import Hierarchy
 from moseg_core.problem.recipe import Recipe, load_recipe
 from moseg_core.problem.settings import OptionValues, SearchOptions
 from moseg_core.problem.statement import Statement
@@ -35,9 +36,12 @@ from moseg_core.search.alignment import Alignment
 from moseg_core.search.alternatives import chosen_among
 from moseg_core.search.beginning import until
 from moseg_core.search.described_run import run_of
-from moseg_core.search.label_set_trial import Trial, for_task, last_steps
+from moseg_core.search.label_set_options import for_task
+from moseg_core.search.label_set_trial import Trial
+from moseg_core.search.last_steps import LastSteps
 from moseg_core.search.levels import check_hierarchy, divided, solve_hierarchy
 from moseg_core.search.pieces import on_large_pieces
+from moseg_core.search.request import Request
 from moseg_core.search.restarts import Listener
 from moseg_core.search.result import Result
 from moseg_core.shape.shape import Shape
@@ -166,7 +170,7 @@ def _solved(
     variants = replace(variants, tasks=tuple(able) or variants.tasks[:1])
     listener = Listener(report or never_stop)
     began = time.monotonic()
-    steps = [last_steps(shape, task, variants, options, more) for task in variants.tasks]
+    steps = [_last_steps(shape, task, variants, options, more) for task in variants.tasks]
     trial = Trial.of(shape, variants, options, more)
     trial.run(listener)
     if not trial.found:
@@ -190,6 +194,18 @@ def _solved(
         left = max(0.0, options.max_seconds - (time.monotonic() - began))
         options = replace(options, max_seconds=left)
     return divided(chosen, best_task, options, listener)
+
+
+def _last_steps(
+    shape: Shape,
+    task: Hierarchy,
+    variants: Variants,
+    options: SearchOptions,
+    more: Mapping[str, Any],
+) -> LastSteps:
+    """What is done with the result for a label set, if it is taken; checked before the search."""
+    mine = for_task(options, task, variants)
+    return LastSteps.of(Request.of(shape, task.problem, mine, defaults=task.search, **more))
 
 
 def check_variants(variants: Variants, options: SearchOptions) -> None:
