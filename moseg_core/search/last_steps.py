@@ -87,7 +87,8 @@ class LastSteps:
         centers = result.centers
         if found.failure is None and not listener.stopped:
             centers, found = self._exchanged(centers, found)
-        if found.labels is result.labels and not (found.warning or listener.stopped):
+        is_as_it_was = found.labels is result.labels and found.failure is None
+        if is_as_it_was and not (found.warning or listener.stopped):
             return result
         ended = self._result(result, centers, found, interrupted=listener.stopped)
         if found.failure is not None:

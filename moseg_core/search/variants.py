@@ -170,8 +170,8 @@ def _solved(
     variants = replace(variants, tasks=tuple(able) or variants.tasks[:1])
     listener = Listener(report or never_stop)
     began = time.monotonic()
-    steps = [_last_steps(shape, task, variants, options, more) for task in variants.tasks]
     trial = Trial.of(shape, variants, options, more)
+    steps = [_last_steps(shape, task, variants, options, more) for task in variants.tasks]
     trial.run(listener)
     if not trial.found:
         assert trial.failure is not None  # the first label set is always tried

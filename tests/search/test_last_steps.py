@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from itertools import product
 
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 from moseg_core.components.protocols import Progress
 from moseg_core.errors import PluginError, ShapeError
 from moseg_core.problem.statement import Statement
+from moseg_core.search import last_steps as module
 from moseg_core.search.variants import segment_variants, tried_sets
 from moseg_core.shape.shape import Shape
 from tests.shapes import solid
@@ -116,6 +118,31 @@ def test_a_refiner_that_fails_leaves_the_choice_that_was_made():
     assert "the run failed; this is the best that it had found" in found.warnings
     assert any(text.startswith("the boundaries are not refined: ") for text in found.warnings)
     assert tried_sets(found.history) == tried_sets(plain.history)
+
+
+def test_an_exchange_that_fails_is_an_error_with_the_result_that_was_found(monkeypatch):
+    def failing(*arguments, **more):
+        raise PluginError("a term has failed")
+
+    plain = segment_variants(row(), BOXES, **QUICK)
+    monkeypatch.setattr(module, "best_order", failing)
+    with pytest.raises(PluginError, match="a term has failed") as caught:
+        segment_variants(row(), BOXES, **QUICK)
+    assert caught.value.result.labels.tolist() == plain.labels.tolist()
+    assert caught.value.result.reason == "failed"
+
+
+def test_seconds_count_from_before_the_refiner_is_checked(monkeypatch):
+    clock = [0.0]
+    monkeypatch.setattr(time, "monotonic", lambda: clock[0])
+
+    class Slow(Widening):
+        def check(self, evaluator):
+            clock[0] += 100.0  # as fields of a large shape may take
+            return super().check(evaluator)
+
+    found = segment_variants(row(), BOXES, refiner=Slow, max_seconds=60, **QUICK)
+    assert found.reason == "seconds"
 
 
 def test_whoever_has_stopped_the_search_has_no_boundaries_refined():
