@@ -87,6 +87,7 @@ from moseg_core.io.write.names import safe_file_names as safe_file_names
 from moseg_core.io.write.part_meshes import PartMesh as PartMesh
 from moseg_core.language.table import Table as Table
 from moseg_core.language.target import Target as Target
+from moseg_core.language.target_array import TargetArray as TargetArray
 from moseg_core.problem.aggregate import CallValue as CallValue
 from moseg_core.problem.aggregate import Evaluation as Evaluation
 from moseg_core.problem.aggregate import TermValue as TermValue

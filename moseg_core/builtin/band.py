@@ -76,13 +76,8 @@ class Band:
         >>> (band.distances * row.frame.scale).round(6).tolist()
         [[0.0, inf], [0.0, 1.5], [0.0, 0.5], [0.5, 0.0], [1.5, 0.0], [inf, 0.0]]
         """
-        links = shape.links
-        first, second = links.first.astype(np.int64), links.second.astype(np.int64)
-        apart = np.linalg.norm(shape.points[first] - shape.points[second], axis=1)
-        apart = np.maximum(apart / shape.frame.scale, _LEAST)
-        cut = labels[first] != labels[second]
-        ways = _ways(shape.n_elements, first, second, apart, cut, np.ones(len(cut), np.bool_))
-        depth = _from_outside(ways, 2 * width)
+        first, second, apart, cut = _links(shape, labels)
+        depth = depths(shape, labels, 2 * width)
         free = (depth <= width) & _outer_half(labels, depth, shape.areas > 0, n_parts)
         free[pins.elements] = False
 
@@ -109,6 +104,39 @@ class Band:
         distances[~free[elements]] = np.inf
         distances[np.arange(len(elements)), own] = 0.0
         return cls(elements=elements, distances=distances, links=kept, first=first, second=second)
+
+
+def depths(shape: Shape, labels: Int32Array, limit: float) -> FloatArray:
+    """How deep each element lies in its part: how far it is from the nearest boundary.
+
+    Parameters
+    ----------
+    shape : Shape
+        It is known which elements touch.
+    labels : (F,) int
+    limit : float, diagonals
+
+    Returns
+    -------
+    (F,) float, diagonals
+        Infinite beyond the limit.
+    """
+    first, second, apart, cut = _links(shape, labels)
+    everywhere = np.ones(shape.n_elements, np.bool_)
+    ways = _ways(shape.n_elements, first, second, apart, cut, everywhere)
+    return _from_outside(ways, limit)
+
+
+def _links(shape: Shape, labels: Int32Array) -> tuple[IntArray, IntArray, FloatArray, BoolArray]:
+    """Both ends of each link, how far these are from each other, and whether labels differ."""
+    first, second = shape.links.first.astype(np.int64), shape.links.second.astype(np.int64)
+    apart = np.linalg.norm(shape.points[first] - shape.points[second], axis=1)
+    return (
+        first,
+        second,
+        np.maximum(apart / shape.frame.scale, _LEAST),
+        labels[first] != labels[second],
+    )
 
 
 def _ways(

@@ -41,8 +41,9 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse import csgraph
 
-from moseg_core.builtin.band import Band
+from moseg_core.builtin.band import Band, depths
 from moseg_core.builtin.data_term import place_costs, place_terms
+from moseg_core.builtin.grouped_band import GroupedBand
 from moseg_core.builtin.swaps import Energy
 from moseg_core.components.discovery.lookup import Lookup
 from moseg_core.components.field import field_values
@@ -59,6 +60,10 @@ _WEIGHTS = (0.15, 1.5)
 #: The field that is gone by where the user names none.
 _CONCAVITY = "basic:concavity"
 _LENGTHS_ALONE = "go by lengths alone with graph_cut(field=none)"
+#: A band of more elements is cut in groups first, about so many as there are places of fields.
+_MANY, _GROUPS = 20_000, 10_000
+#: How far from a cut between groups elements may still change, in extents of a group.
+_BESIDE = 2.0
 #: Most times to go through all pairs of parts; it ends before when nothing changes any more.
 _SWEEPS = 10
 
@@ -140,31 +145,19 @@ class GraphCut:
             weights=weights[band.links],
         )
         most = count_pieces(shape.links, labels, n)
-
-        def unbroken(changed: Int32Array) -> bool:
-            return bool((count_pieces(shape.links, changed, n) <= most).all())
-
-        refined = labels.copy()
-        # How a pair is divided depends on which elements bear its two labels, and on nothing else,
-        # and a cut that was carried out is found again. So a pair has its next turn when one of its
-        # labels has changed: `changed` has the last turn at which each label did, `divided` the
-        # last of each pair.
-        turn, changed, divided = 0, np.zeros(n, np.int64), dict[tuple[int, int], int]()
-        for sweep in range(_SWEEPS):
-            before = refined
-            for pair in energy.touching(refined[band.elements].astype(np.int64)):
-                if divided.get(pair, -1) >= changed[[*pair]].max():
-                    continue
-                turn += 1
-                after, whole = _swapped(refined, band, energy, pair, unbroken)
-                if (after != refined).any():
-                    changed[[*pair]] = turn
-                divided[pair] = turn if whole else turn - 1
-                refined = after
-            stop = report(Progress(stage="graph_cut", done=sweep + 1))
-            if stop or (refined == before).all():
-                break
-        return refined
+        refined, elements = labels.copy(), band.elements
+        if len(elements) > _MANY:
+            groups = GroupedBand.of(shape, labels, band, energy, most=_GROUPS)
+            found, stop = _divided(
+                groups.labels, groups.elements, groups.energy, groups.links, most, report
+            )
+            refined = found[groups.members]
+            if stop:
+                return refined
+            near = depths(shape, refined, _reach(shape))[elements] < np.inf
+            kept, energy = energy.narrowed(refined[elements].astype(np.int64), near)
+            elements = elements[kept]
+        return _divided(refined, elements, energy, shape.links, most, report)[0]
 
     def _costs(self, evaluator: Evaluator, shape: Shape, band: Band) -> FloatArray:
         """(k, n) float: what each element of a band costs under each label; see :class:`Energy`."""
@@ -206,9 +199,64 @@ class GraphCut:
         return weights, ""
 
 
+def _divided(
+    labels: Int32Array,
+    elements: IntArray,
+    energy: Energy,
+    links: Links,
+    most: IntArray,
+    report: Report,
+) -> tuple[Int32Array, bool]:
+    """The labels after swaps of all pairs of parts, until nothing changes any more.
+
+    Parameters
+    ----------
+    labels : (F,) int32
+    elements : (k,) int
+        Those that the energy is of.
+    energy : Energy
+    links : Links
+        Between all elements.
+    most : (n,) int
+        In how many pieces each part may be.
+    report : callable
+
+    Returns
+    -------
+    labels : (F,) int32
+    stop : bool
+        Whether the report asked to stop.
+    """
+
+    def unbroken(changed: Int32Array) -> bool:
+        return bool((count_pieces(links, changed, len(most)) <= most).all())
+
+    refined, stop = labels, False
+    # How a pair is divided depends on which elements bear its two labels, and on nothing else,
+    # and a cut that was carried out is found again. So a pair has its next turn when one of its
+    # labels has changed: `changed` has the last turn at which each label did, `divided` the
+    # last of each pair.
+    turn, changed, divided = 0, np.zeros(len(most), np.int64), dict[tuple[int, int], int]()
+    for sweep in range(_SWEEPS):
+        before = refined
+        for pair in energy.touching(refined[elements].astype(np.int64)):
+            if divided.get(pair, -1) >= changed[[*pair]].max():
+                continue
+            turn += 1
+            after, whole = _swapped(refined, elements, energy, pair, unbroken)
+            if (after != refined).any():
+                changed[[*pair]] = turn
+            divided[pair] = turn if whole else turn - 1
+            refined = after
+        stop = report(Progress(stage="graph_cut", done=sweep + 1))
+        if stop or (refined == before).all():
+            break
+    return refined, stop
+
+
 def _swapped(
     labels: Int32Array,
-    band: Band,
+    elements: IntArray,
     energy: Energy,
     pair: tuple[int, int],
     unbroken: Callable[[Int32Array], bool],
@@ -221,23 +269,30 @@ def _swapped(
     whole : bool
         Whether all of the cut that is an improvement was carried out: once more, nothing changes.
     """
-    local = labels[band.elements].astype(np.int64)
+    local = labels[elements].astype(np.int64)
     swapped = energy.swapped(local, *pair)
     groups = energy.improvements(local, swapped)
 
-    def with_changes(before: Int32Array, elements: IntArray) -> Int32Array:
+    def with_changes(before: Int32Array, chosen: IntArray) -> Int32Array:
         after = before.copy()
-        after[band.elements[elements]] = swapped[elements]
+        after[elements[chosen]] = swapped[chosen]
         return after
 
     if not groups:
         return labels, True
     if unbroken(after := with_changes(labels, np.concatenate(groups))):
         return after, True
-    for elements in groups:
-        if unbroken(after := with_changes(labels, elements)):
+    for group in groups:
+        if unbroken(after := with_changes(labels, group)):
             labels = after
     return labels, False
+
+
+def _reach(shape: Shape) -> float:
+    """How far from a cut between groups elements may change their label, in diagonals."""
+    each = shape.area / _GROUPS
+    extent = np.cbrt(each) if shape.solid else np.sqrt(each)
+    return float(_BESIDE * extent / shape.frame.scale)
 
 
 def _own(shape: Shape) -> Shape:

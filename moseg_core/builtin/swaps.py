@@ -104,6 +104,40 @@ class Energy:
         swapped[elements] = np.where(cut, b, a)
         return swapped
 
+    def narrowed(self, labels: IntArray, free: BoolArray) -> tuple[IntArray, Energy]:
+        """The same of some elements and their neighbours, where no others may change.
+
+        Parameters
+        ----------
+        labels : (k,) int
+            What the others keep.
+        free : (k,) bool
+            Those that may change their label.
+
+        Returns
+        -------
+        elements : (j,) int
+            Those that are left, ascending.
+        energy : Energy
+            Of these: less than that of all by what the others cost.
+        """
+        inside = free.copy()
+        inside[self.first[free[self.second]]] = True
+        inside[self.second[free[self.first]]] = True
+        elements = np.flatnonzero(inside)
+        number = np.full(len(labels), -1)
+        number[elements] = np.arange(len(elements))
+        kept = inside[self.first] & inside[self.second]
+        costs = np.where(free[elements, None], self.costs[elements], np.inf)
+        rows = np.arange(len(elements))
+        costs[rows, labels[elements]] = self.costs[elements, labels[elements]]
+        return elements, Energy(
+            costs=costs,
+            first=number[self.first[kept]],
+            second=number[self.second[kept]],
+            weights=self.weights[kept],
+        )
+
     def improvements(self, labels: IntArray, changed: IntArray) -> list[IntArray]:
         """The changes that are worth it, each for itself.
 

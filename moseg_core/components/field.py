@@ -175,8 +175,9 @@ def link_values(level: Shape, found: FoundField, parameters: Mapping[str, Any]) 
 
 
 def field_key(found: FoundField, parameters: Mapping[str, Any]) -> tuple[Hashable, ...]:
-    """What tells a field with certain parameters from all others."""
-    return (found.id, found.source, *sorted(parameters.items()))
+    """What tells a field with certain parameters from all others, whether they are its defaults."""
+    every = {**found.defaults, **parameters}
+    return (found.id, found.source, *((name, every[name]) for name in sorted(every)))
 
 
 def _values(shape: Shape, found: FoundField, parameters: Mapping[str, Any]) -> FloatArray:

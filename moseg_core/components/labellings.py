@@ -182,6 +182,27 @@ class Labellings:
             return np.arange(len(hashes))
         return found
 
+    @cached_property
+    def _distinct(self) -> BoolArray:
+        """(B, n) bool: the parts that are not empty, of those with the same members the first."""
+        distinct = np.ones(self.areas.shape, np.bool_)
+        if len(self) > 1:
+            distinct[:] = False
+            distinct.reshape(-1)[self._first] = True
+        distinct &= ~self.summary.empty(self.level.input)
+        return distinct
+
+    def _missing(self, wanted: BoolArray, known: BoolArray) -> BoolArray | None:
+        """(B, n) bool: the parts whose rows of a table are to be computed; None where none is.
+
+        Where rows are wanted for the second time, by another term, all others will be too as a
+        rule: to begin ten times takes longer than to compute all at once.
+        """
+        missing = wanted & ~known
+        if not missing.any():
+            return None
+        return self._distinct & ~known | missing if known.any() else missing
+
     @property
     def areas(self) -> FloatArray:
         """(B, n) float: area of each part."""
@@ -208,8 +229,8 @@ class Labellings:
         if asked not in self._fields:
             self._fields[asked] = np.zeros(wanted.shape, np.bool_), np.empty((*wanted.shape, 4))
         known, rows = self._fields[asked]
-        missing = wanted & ~known
-        if missing.any():
+        missing = self._missing(wanted, known)
+        if missing is not None:
             sums = field_sums(self.level, self.lookup.field(name), parameters)
             columns = sums.weighted, sums.squared, sums.least, sums.greatest
             areas = self.areas
@@ -237,8 +258,8 @@ class Labellings:
             The parts, all with an area, whose rows are needed.
         """
         known, scales, axes = self._axes
-        missing = wanted & ~known
-        if missing.any():
+        missing = self._missing(wanted, known)
+        if missing is not None:
             scales[missing], axes[missing] = _principal_axes(self.summary.moments[missing])
             np.logical_or(known, missing, out=known)
         return scales, axes

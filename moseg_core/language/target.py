@@ -36,7 +36,7 @@ _BEND = 2.0
 _MOST = 1e300
 """Spreads beyond which more make no difference, so that costs are finite."""
 
-_LEAST_LOG_RATIO = math.log(1e-6)
+LEAST_LOG_RATIO = math.log(1e-6)
 """Least logarithm of a ratio to the target, which 0 and negative values have as well."""
 
 
@@ -138,85 +138,38 @@ class Target:
         >>> [round(target.ratio_cost(value), 9) for value in (0.1, 0.2, 0.05, 0.4, 0.8)]
         [0.0, 1.0, 1.0, 4.0, 8.0]
         """
-        self._require_positive()
-        off = _LEAST_LOG_RATIO
+        self.require_positive()
+        off = LEAST_LOG_RATIO
         if not value <= 0:  # NaN goes on, and comes out
-            off = max(math.log(value) - self._log_value, off)
-        return _huber(off / self._log_spread)
+            off = max(math.log(value) - self.log_value, off)
+        return _huber(off / self.log_spread)
 
-    def costs(self, values: npt.ArrayLike) -> npt.NDArray[np.float64]:
-        """:meth:`cost` of each of several values.
-
-        Parameters
-        ----------
-        values : array_like of float
-            In the unit of the target.
-
-        Returns
-        -------
-        array of float
-            As many.
-
-        Examples
-        --------
-        >>> Target(10, 2).costs([10, 12, 20]).tolist()
-        [0.0, 1.0, 16.0]
-        """
-        import numpy as np
-
-        return _hubers((np.asarray(values, np.float64) - self.value) / self.spread)
-
-    def ratio_costs(self, values: npt.ArrayLike) -> npt.NDArray[np.float64]:
-        """:meth:`ratio_cost` of each of several values.
-
-        Parameters
-        ----------
-        values : array_like of float
-            In the unit of the target.
-
-        Returns
-        -------
-        array of float
-            As many.
+    def require_positive(self) -> None:
+        """Refuse to compare by ratio with a value that is not positive.
 
         Raises
         ------
         UsageError
-            As for :meth:`ratio_cost`.
-
-        Examples
-        --------
-        >>> Target(0.1, 0.1).ratio_costs([0.1, 0.2, 0.8]).round(9).tolist()
-        [0.0, 1.0, 8.0]
         """
-        import numpy as np
-
-        self._require_positive()
-        given = np.asarray(values, np.float64)
-        positive = np.where(given <= 0, 1.0, given)
-        # Python's logarithm, which in three of a thousand rounds otherwise than numpy's: as alone.
-        logs = np.array([*map(math.log, positive.ravel().tolist())], np.float64)
-        off = np.maximum(logs.reshape(given.shape) - self._log_value, _LEAST_LOG_RATIO)
-        off = np.where(given <= 0, _LEAST_LOG_RATIO, off)
-        return _hubers(off / self._log_spread)
-
-    def _require_positive(self) -> None:
         if self.value <= 0:
             raise UsageError(
                 f"the target {self} must have a positive value, since ratios to it are compared"
             )
 
     @cached_property
-    def _log_value(self) -> float:
+    def log_value(self) -> float:
+        """The natural logarithm of the value."""
         return math.log(self.value)
 
     @cached_property
-    def _log_spread(self) -> float:
+    def log_spread(self) -> float:
+        """How far the logarithm of a value one spread above the target is from that of this one."""
         # A spread that is next to nothing beside the value has a logarithm of 0.
         return math.log1p(self.spread / self.value) or sys.float_info.min
 
 
-def _hubers(z: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+def hubers(z: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """``h(z)`` of each number; see :meth:`Target.cost`."""
     import numpy as np
 
     size = np.abs(z)

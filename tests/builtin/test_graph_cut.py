@@ -333,7 +333,7 @@ def with_every_turn(shape, labels, n, *, width):
     for _ in range(10):
         before = labels
         for pair in energy.touching(labels[band.elements]):
-            labels, _ = graph_cut._swapped(labels, band, energy, pair, unbroken)
+            labels, _ = graph_cut._swapped(labels, band.elements, energy, pair, unbroken)
         if (labels == before).all():
             return labels
     return labels

@@ -6,7 +6,6 @@ import dataclasses
 import math
 import pickle
 
-import numpy as np
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
@@ -138,26 +137,3 @@ def test_not_a_number_stays_what_it_is():
     # So that the objective that measured it is told, rather than the search misled.
     assert math.isnan(Target(1, 1).cost(math.nan))
     assert math.isnan(Target(1, 1).ratio_cost(math.nan))
-
-
-@given(ANY, ANY_POSITIVE, st.lists(st.one_of(ANY, NUMBERS, POSITIVE), max_size=6))
-@example(5e-324, 5e-324, [0.0])
-def test_costs_of_several_values_are_those_of_each(value, spread, measured):
-    with np.errstate(over="ignore"):  # as far off as can be
-        for target, alone, together in (
-            (Target(value, spread), Target.cost, Target.costs),
-            (Target(abs(value) or 1.0, spread), Target.ratio_cost, Target.ratio_costs),
-        ):
-            found = together(target, measured)
-            assert found.tolist() == [alone(target, x) for x in measured]  # to the last bit
-
-
-def test_costs_of_several_values_that_are_no_numbers_or_not_positive():
-    target = Target(0.1, 0.1)
-    values = [0.0, -1.0, 1e-9, math.inf]
-    assert target.ratio_costs(values).tolist() == [target.ratio_cost(x) for x in values]
-    for costs in (target.costs, target.ratio_costs):
-        assert np.isnan(costs([0.1, math.nan])).tolist() == [False, True]
-        assert costs([]).shape == (0,)
-    with pytest.raises(UsageError, match="must have a positive value"):
-        Target(-1, 1).ratio_costs([1.0])

@@ -7,8 +7,9 @@ once, and blames it by its own name where it fails, whichever objective had aske
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+import inspect
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from typing import Any, cast
 
 from moseg_core.components.discovery.registry import Component, Registry, registry
@@ -51,12 +52,16 @@ class FoundField:
         Of a shape and the field's own parameters.
     requires : tuple of {"volume", "adjacency", "surface"}
         What the shape must have.
+    defaults : mapping of str to object
+        What the field's own parameters are where nobody says: values that were asked for with
+        them are the same as those that were asked for without.
     """
 
     id: str
     source: str
     function: Callable[..., Any]
     requires: tuple[Requirement, ...]
+    defaults: Mapping[str, Any] = field(default_factory=dict)
 
 
 class Lookup:
@@ -119,12 +124,26 @@ class Lookup:
                     source=f"{component.distribution} {component.spec.target}",
                     function=_named_on_failure(component),
                     requires=cast(FieldSpec, component.spec).requires,
+                    defaults=_defaults(component),
                 )
             self._fields[name] = self._fields[component.id]
         return self._fields[name]
 
     def _found(self, kind: Kind, name: str) -> Component:
         return (registry() if self._source is None else self._source).find(kind, name)
+
+
+def _defaults(component: Component) -> dict[str, Any]:
+    """The defaults of a component's parameters; none where it does not show its signature."""
+    try:
+        parameters = inspect.signature(component.load()).parameters
+    except (TypeError, ValueError):
+        return {}
+    return {
+        name: one.default
+        for name, one in parameters.items()
+        if one.kind is one.KEYWORD_ONLY and one.default is not one.empty
+    }
 
 
 def _named_on_failure(component: Component) -> Callable[..., Any]:

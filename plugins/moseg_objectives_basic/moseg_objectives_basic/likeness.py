@@ -14,11 +14,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Container, Mapping
+from functools import lru_cache
 from typing import Annotated, Any, TypeAlias
 
 import numpy as np
 
-from moseg_core import Detail, Interval, Part, PartArray, Target, objective
+from moseg_core import Detail, Interval, Part, PartArray, Target, TargetArray, objective
 from moseg_objectives_basic.arrays import FloatArray, row_sums
 
 _THICKNESS, _REMOTENESS, _CONCAVITY = "basic:thickness", "basic:remoteness", "basic:concavity"
@@ -198,12 +199,17 @@ def _each(function: Callable[..., float], *values: FloatArray) -> FloatArray:
 def all_off(parts: PartArray, **given: Target | None) -> FloatArray:
     """:func:`is_` of several parts, (k,) float."""
     asked = {name: target for name, target in given.items() if target is not None}
+    if not asked:
+        return np.zeros(len(parts))
     values = measured_of_all(parts, asked)
-    off = [
-        target.ratio_costs(values[name]) if name in BY_RATIO else target.costs(values[name])
-        for name, target in asked.items()
-    ]
-    return row_sums(np.column_stack(off)) / len(off) if off else np.zeros(len(parts))
+    targets = _target_array(tuple(asked), tuple(asked.values()))
+    return row_sums(targets.costs(np.stack([values[name] for name in asked], 1))) / len(asked)
+
+
+@lru_cache(maxsize=1024)
+def _target_array(names: tuple[str, ...], targets: tuple[Target, ...]) -> TargetArray:
+    """Targets of measures; a search has the same for all its candidates."""
+    return TargetArray(targets, tuple(name in BY_RATIO for name in names))
 
 
 @objective(

@@ -29,7 +29,7 @@ from moseg_objectives_basic.fields.rays import Frames, Rays, outsides
 
 FloatArray = npt.NDArray[np.float64]
 
-_MOST = 20_000
+_MOST = 10_000
 """From how many places rays are cast at most."""
 
 _RINGS = np.deg2rad([7.5, 15.0, 22.5, 30.0, 37.5])
@@ -54,7 +54,7 @@ def thickness(shape: Shape) -> FloatArray:
     Notes
     -----
     After Shapira, Shamir and Cohen-Or 2008, doi:10.1007/s00371-007-0197-5, with fixed directions
-    in place of random ones and the median in place of a mean without outliers. On more than 20,000
+    in place of random ones and the median in place of a mean without outliers. On more than 10,000
     elements rays are cast from one in each of as many groups, whose value all its elements have.
 
     Examples
