@@ -21,13 +21,14 @@ ever, those of the first task that is still running; asked to stop, all are.
 
 from __future__ import annotations
 
+import gc
 import multiprocessing
 import pickle
 import signal
 import traceback
 import warnings
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from multiprocessing.connection import Connection, wait
 from types import TracebackType
@@ -41,7 +42,7 @@ from moseg_core.errors import MosegError, PluginError
 from moseg_core.problem.slow_calls import rest
 from moseg_core.search.answer_record import current_record
 from moseg_core.search.forking import can_fork, hindrance
-from moseg_core.shape.row_threads import available_processors
+from moseg_core.shape.row_threads import available_processors, share_processors
 
 Task = Callable[..., Any]
 """Called with its arguments and ``report``."""
@@ -277,7 +278,9 @@ class Workers:
         mine, theirs = context.Pipe()
         ours = [*(worker.pipe for worker in self._workers), mine]
         process = context.Process(
-            target=_serve, args=(self._tasks, theirs, ours, self._flag, memory), daemon=True
+            target=_serve,
+            args=(self._tasks, theirs, ours, self._flag, memory, self._count),
+            daemon=True,
         )
         try:
             # Python from 3.12 on warns of locks that other threads might hold. None of ours runs
@@ -286,7 +289,8 @@ class Workers:
             # (BLAS) look after themselves.
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", DeprecationWarning)
-                process.start()
+                with _frozen_garbage():
+                    process.start()
         except OSError:
             mine.close()
             raise
@@ -363,6 +367,7 @@ def _serve(
     others: Sequence[Connection],
     flag: Any,
     memory: Any,
+    processes: int,
 ) -> None:
     """What a process does: one task after the other, until the pipe is closed.
 
@@ -376,6 +381,7 @@ def _serve(
         handled = signal.getsignal(number) not in (signal.SIG_DFL, None)
         signal.signal(number, signal.SIG_IGN if handled else signal.SIG_DFL)
     note_in(memory)
+    share_processors(processes)
     for other in others:
         other.close()
 
@@ -405,6 +411,23 @@ def _serve(
             pipe.send_bytes(_packed(answer))
         except OSError:  # nobody is there any more
             return
+
+
+@contextmanager
+def _frozen_garbage() -> Iterator[None]:
+    """Spare a copy made meanwhile to look through what is there for garbage, again and again.
+
+    All modules and shapes are there, hundreds of thousands of objects; to look through them takes
+    longer than to evaluate a hundred candidates.
+    """
+    if gc.get_freeze_count():  # somebody else has seen to it
+        yield
+        return
+    gc.freeze()
+    try:
+        yield
+    finally:
+        gc.unfreeze()
 
 
 def _packed(answer: tuple[str, Any]) -> bytes:

@@ -16,6 +16,23 @@ from concurrent.futures import ThreadPoolExecutor
 
 #: Seconds of work below which threads take longer to start than they save.
 _WORTH_THREADS = 1e-3
+#: Among how many processes of one program the processors are shared.
+_processes = 1
+
+
+def share_processors(processes: int) -> None:
+    """Say that so many processes work side by side, of which this is one.
+
+    Each makes as many threads as there are processors for it, so that no two threads of theirs
+    wait for one processor.
+
+    Parameters
+    ----------
+    processes : int
+        1 or more.
+    """
+    global _processes  # a process is one of several for as long as it lives
+    _processes = processes
 
 
 def available_processors() -> int:
@@ -43,7 +60,7 @@ def over_rows(work: Callable[[int, int], None], count: int, *, seconds: float) -
     >>> sorted(done)
     [0, 1, 2, 3, 4]
     """
-    threads = min(count, available_processors(), _allowed())
+    threads = min(count, _allowed())
     if threads < 2 or seconds < _WORTH_THREADS:
         work(0, count)
         return
@@ -60,6 +77,7 @@ def over_rows(work: Callable[[int, int], None], count: int, *, seconds: float) -
 
 
 def _allowed() -> int:
-    """Threads that whoever started this process lets libraries have."""
+    """Threads that this process may have, beside others and by whoever started it."""
+    own = max(1, available_processors() // _processes)
     said = os.environ.get("OMP_NUM_THREADS", "")
-    return max(1, int(said)) if said.isascii() and said.isdigit() else available_processors()
+    return min(own, max(1, int(said))) if said.isascii() and said.isdigit() else own

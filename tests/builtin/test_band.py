@@ -7,7 +7,7 @@ import heapq
 import numpy as np
 import pytest
 
-from moseg_core.builtin.band import Band
+from moseg_core.builtin.band import Band, depths
 from moseg_core.shape.pins import NO_PINS, Pins
 from moseg_core.shape.shape import Shape
 from tests import shapes
@@ -107,3 +107,11 @@ def test_of_every_part_something_stays_however_wide_the_band(width):
 def test_a_shape_of_one_part_has_no_band():
     band = band_of(np.zeros(SHAPE.n_elements, np.int32), n=1)
     assert len(band.elements) == len(band.links) == 0
+
+
+@pytest.mark.parametrize("limit", [0.05, 0.2, 10.0])
+def test_depths_are_the_shortest_ways_from_any_boundary(limit):
+    literal = literal_ways(SHAPE, literal_begun(SHAPE, LABELS, lambda own, other: True))
+    expected = [literal[e] if literal[e] <= limit else np.inf for e in range(SHAPE.n_elements)]
+    assert depths(SHAPE, LABELS, limit) == pytest.approx(np.array(expected))
+    assert np.isinf(depths(SHAPE, np.zeros_like(LABELS), limit)).all()  # there is no boundary

@@ -362,6 +362,72 @@ def test_what_is_left_out_would_change_nothing(monkeypatch, seed):
     assert 0 < done < len(cuts) - done
 
 
+# --- by way of groups ----------------------------------------------------------------------------
+
+
+def by_way_of_groups(monkeypatch, shape, labels, n=2, **options):
+    """The same in one step, and by way of so few groups that each has a dozen elements."""
+    whole = refined(shape, labels, n, **options)
+    monkeypatch.setattr(graph_cut, "_MANY", 100)
+    monkeypatch.setattr(graph_cut, "_GROUPS", shape.n_elements // 12)
+    return whole, refined(shape, labels, n, **options)
+
+
+@pytest.mark.parametrize("off", [-0.22, 0.22])
+def test_a_large_band_is_cut_in_the_same_crease(monkeypatch, off):
+    shape = dumbbell(40)
+    x, y, _ = shape.points.T
+    start = (x > off + 0.08 * y).astype(np.int32)
+    whole, found = by_way_of_groups(monkeypatch, shape, start, band=0.12)
+    assert (whole == (x > 0)).all()
+    assert (found == whole).all()
+
+
+def test_a_cut_by_way_of_groups_is_hardly_dearer_and_breaks_nothing(monkeypatch):
+    shape = Shape.from_mesh(*shapes.jitter(shapes.sphere(4), 3, 0.01))
+    n, width = 5, 0.3
+    weights = GraphCut(field=None, band=width)._weights(evaluator_on(shape, n))[0]
+    dearer = []
+    for seed in range(4):
+        rng = np.random.default_rng(seed)
+        partition = Voronoi(shape, n)
+        centers = shape.points[rng.choice(shape.n_elements, n, replace=False)]
+        vector = partition.encode(Centers(positions=centers, weights=rng.uniform(0.5, 1.5, n)))
+        labels = partition.labels(vector[None])[0]
+        pinned = np.sort(rng.choice(shape.n_elements, 9, replace=False))
+        pins = Pins(elements=pinned, labels=labels[pinned].astype(np.int64))
+        band = Band.of(shape, labels, n, width=width, pins=pins)
+        cut = GraphCut(field=None, band=width)
+        energy = swaps.Energy(
+            costs=cut._costs(evaluator_on(shape, n), shape, band),
+            first=band.first,
+            second=band.second,
+            weights=weights[band.links],
+        )
+        with monkeypatch.context() as patch:
+            found = by_way_of_groups(patch, shape, labels, n, band=width, pins=pins)
+        start, whole, grouped = (
+            energy.of(each[band.elements].astype(np.int64)) for each in (labels, *found)
+        )
+        assert grouped < start
+        dearer.append((grouped - whole) / (start - whole))
+        assert (found[1][pinned] == labels[pinned]).all()
+        assert (count_pieces(shape.links, found[1], n) == 1).all()
+    assert np.mean(dearer) < 0.1
+
+
+def test_told_to_end_it_does_so_after_the_groups(monkeypatch):
+    shape = dumbbell(40)
+    x, y, _ = shape.points.T
+    start = (x > 0.1 + 0.08 * y).astype(np.int32)
+    monkeypatch.setattr(graph_cut, "_MANY", 100)
+    monkeypatch.setattr(graph_cut, "_GROUPS", shape.n_elements // 12)
+    reports = []
+    found = refined(shape, start, band=0.12, report=lambda p: bool(reports.append(p)) or True)
+    assert [progress.stage for progress in reports] == ["graph_cut"]
+    assert (found != start).any()
+
+
 # --- what does not break -------------------------------------------------------------------------
 
 

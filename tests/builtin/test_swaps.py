@@ -115,3 +115,31 @@ def test_nothing_to_divide_is_left_as_it_is():
         costs=np.zeros((1, 2)), first=energy.first, second=energy.first, weights=energy.weights
     )
     assert free.swapped(np.array([1]), 0, 1).tolist() in ([0], [1])
+
+
+@settings(deadline=None)
+@given(problems(st.just(3)), st.data())
+def test_where_only_some_may_change_the_others_cost_the_same_whatever_becomes_of_them(
+    problem, data
+):
+    energy, labels = problem
+    size = len(labels)
+    free = np.array(data.draw(st.lists(st.booleans(), min_size=size, max_size=size)))
+    elements, narrowed = energy.narrowed(labels, free)
+    assert set(np.flatnonzero(free)) <= set(elements.tolist())
+    held = [e for e in range(size) if not free[e]]
+    for place, element in enumerate(elements.tolist()):
+        allowed = np.flatnonzero(np.isfinite(narrowed.costs[place])).tolist()
+        assert allowed == (
+            [labels[element]]
+            if element in held
+            else np.flatnonzero(np.isfinite(energy.costs[element])).tolist()
+        )
+    left_out = literal(energy, labels) - literal(narrowed, labels[elements])
+    for seed in range(3):
+        rng = np.random.default_rng(seed)
+        other = labels.copy()
+        for element in np.flatnonzero(free).tolist():
+            other[element] = rng.choice(np.flatnonzero(np.isfinite(energy.costs[element])))
+        found = literal(narrowed, other[elements]) + left_out
+        assert found == pytest.approx(literal(energy, other), rel=1e-9)

@@ -21,8 +21,9 @@ from tests import shapes
 class Heights:
     """A lookup that knows one field, the height times a factor, and counts its computations."""
 
-    def __init__(self, function=None, requires=()):
+    def __init__(self, function=None, requires=(), defaults=None):
         self.calls = []
+        self.defaults = defaults or {}
         self.function = self.height if function is None else function
         self.requires = requires
 
@@ -32,7 +33,11 @@ class Heights:
 
     def field(self, name):
         return FoundField(
-            id="here:height", source="home", function=self.function, requires=self.requires
+            id="here:height",
+            source="home",
+            function=self.function,
+            requires=self.requires,
+            defaults=self.defaults,
         )
 
 
@@ -51,6 +56,16 @@ def test_a_field_is_computed_once_per_shape_and_parameters():
     assert heights.calls == [(shape.n_elements, 1.0), (shape.n_elements, 2.0)]
     field_values(capsule(), "height", lookup=heights)
     assert len(heights.calls) == 3
+
+
+def test_a_parameter_that_is_said_may_be_its_default():
+    shape, heights = capsule(), Heights(defaults={"factor": 1.0})
+    for parameters in ({}, {"factor": 1.0}, {"factor": 1}):
+        field_values(shape, "height", lookup=heights, **parameters)
+        field_sums(shape, heights.field("height"), parameters)
+    assert heights.calls == [(shape.n_elements, 1.0)]
+    field_values(shape, "height", lookup=heights, factor=2.0)
+    assert len(heights.calls) == 2
 
 
 def test_fields_are_a_stage_of_their_own_in_a_profile():

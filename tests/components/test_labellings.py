@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from moseg_core.components.labellings import Labellings, Summary
 from moseg_core.errors import ShapeError
-from moseg_core.shape import gaps, row_threads
+from moseg_core.shape import gaps, part_sums, row_threads
 from moseg_core.shape.coarse import coarsen
 from moseg_core.shape.gaps import least_distance
 from moseg_core.shape.shape import Shape
@@ -145,6 +145,30 @@ def test_rows_that_are_asked_for_later_are_added():
     assert field.tobytes() == all_at_once.field("height", {}, everything).tobytes()
     for one, two in zip(bit_by_bit.axes(everything), all_at_once.axes(everything), strict=True):
         assert one.tobytes() == two.tobytes()
+
+
+def test_what_is_asked_for_a_second_time_is_computed_of_all_parts_at_once(monkeypatch):
+    level, n = LEVELS["coarse"], 4
+    rows = [np.arange(level.n_elements) % n, np.arange(level.n_elements) % n]
+    rows.append(np.where(rows[0] == 2, 1, rows[0]))  # in the last, part 2 is empty
+    found = labelled(level, np.array(rows), n)
+    computed = []
+    summarize = part_sums.summarize_field
+
+    def counted(labels, wanted, *rest):
+        computed.extend(np.argwhere(wanted).tolist())
+        summarize(labels, wanted, *rest)
+
+    monkeypatch.setattr(part_sums, "summarize_field", counted)
+    for part, expected in ((0, 1), (1, 5), (3, 5)):
+        wanted = np.zeros((3, n), np.bool_)
+        wanted[:1, part] = True  # the others have the same members
+        found.field("height", {"factor": 3.0}, wanted)
+        # Part 2 of the last is empty, so is none; part 1 of the last has other members.
+        assert len(computed) == expected
+    assert sorted(computed) == [[0, 0], [0, 1], [0, 2], [0, 3], [2, 1]]
+    alone = labelled(level, rows[:1], n).field("height", {"factor": 3.0}, np.ones((1, n), bool))
+    assert (found.field("height", {"factor": 3.0}, np.zeros((3, n), bool))[:1] == alone).all()
 
 
 def test_views_in_other_spaces():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import multiprocessing
 import os
 import signal
@@ -19,6 +20,7 @@ from moseg_core.components.profile import profiling
 from moseg_core.components.protocols import Progress, never_stop
 from moseg_core.errors import ExpressionError, MosegError, PluginError, UsageError
 from moseg_core.search.workers import Workers, available_workers, bettered
+from moseg_core.shape import row_threads
 
 
 def square(x, *, report):
@@ -387,3 +389,28 @@ def test_processes_made_after_others_were_released_know_what_this_one_knows():
     assert {said[1:] for said in first} == {("before",)}
     assert {said[1:] for said in second} == {("before", "after")}
     assert not {said[0] for said in first} & {said[0] for said in second}
+
+
+def test_processes_share_the_processors_among_them(monkeypatch):
+    monkeypatch.setattr(row_threads, "available_processors", lambda: 6)
+    monkeypatch.delenv("OMP_NUM_THREADS", raising=False)
+
+    def stretches(*, report):
+        found = []
+        row_threads.over_rows(lambda first, end: found.append(first), 60, seconds=1.0)
+        return len(found)
+
+    with Workers({"count": stretches}, 2, never_stop) as workers:
+        assert workers.map("count", [(), ()]) == [3, 3]
+    assert stretches(report=never_stop) == 6
+
+
+def test_copies_do_not_look_through_what_was_there_for_garbage():
+    def looked_through(*, report):
+        return len(gc.get_objects())
+
+    frozen = gc.get_freeze_count()
+    with Workers({"looked": looked_through}, 2, never_stop) as workers:
+        there = workers.map("looked", [(), ()])
+    assert max(there) < len(gc.get_objects()) / 10
+    assert gc.get_freeze_count() == frozen

@@ -7,7 +7,7 @@ import threading
 import pytest
 
 from moseg_core.shape import row_threads
-from moseg_core.shape.row_threads import over_rows
+from moseg_core.shape.row_threads import over_rows, share_processors
 
 
 @pytest.fixture(autouse=True)
@@ -45,6 +45,16 @@ def test_this_thread_has_a_share_and_small_batches_are_done_without_others(monke
     names.clear()
     over_rows(lambda first, end: names.add(threading.get_ident()), 3, seconds=1e-9)
     assert names == {threading.get_ident()}
+
+
+@pytest.mark.parametrize(("processes", "threads"), [(1, 5), (2, 2), (3, 1), (9, 1)])
+def test_processes_side_by_side_share_the_processors(monkeypatch, processes, threads):
+    monkeypatch.setattr(row_threads, "available_processors", lambda: 5)
+    monkeypatch.setattr(row_threads, "_processes", 1)
+    share_processors(processes)
+    stretches = []
+    over_rows(lambda first, end: stretches.append((first, end)), 50, seconds=1.0)
+    assert len(stretches) == threads
 
 
 @pytest.mark.parametrize("bad", [0, 2])

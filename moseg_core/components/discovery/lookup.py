@@ -99,7 +99,7 @@ class Lookup:
                 spec = cast(MeasureSpec, component.spec)
                 self._measures[component.id] = FoundMeasure(
                     id=component.id,
-                    function=_named_on_failure(component),
+                    function=_named_on_failure(component, component.load()),
                     keep=spec.keep,
                     requires=spec.requires,
                 )
@@ -119,12 +119,13 @@ class Lookup:
         if name not in self._fields:
             component = self._found("field", name)
             if component.id not in self._fields:
+                function = component.load()
                 self._fields[component.id] = FoundField(
                     id=component.id,
                     source=f"{component.distribution} {component.spec.target}",
-                    function=_named_on_failure(component),
+                    function=_named_on_failure(component, function),
                     requires=cast(FieldSpec, component.spec).requires,
-                    defaults=_defaults(component),
+                    defaults=_defaults(function),
                 )
             self._fields[name] = self._fields[component.id]
         return self._fields[name]
@@ -133,10 +134,10 @@ class Lookup:
         return (registry() if self._source is None else self._source).find(kind, name)
 
 
-def _defaults(component: Component) -> dict[str, Any]:
-    """The defaults of a component's parameters; none where it does not show its signature."""
+def _defaults(function: Callable[..., Any]) -> dict[str, Any]:
+    """The defaults of a field's own parameters; none where it does not show its signature."""
     try:
-        parameters = inspect.signature(component.load()).parameters
+        parameters = inspect.signature(function).parameters
     except (TypeError, ValueError):
         return {}
     return {
@@ -146,9 +147,8 @@ def _defaults(component: Component) -> dict[str, Any]:
     }
 
 
-def _named_on_failure(component: Component) -> Callable[..., Any]:
-    """The function of a component that is named where it fails, whoever had asked for it."""
-    function = component.load()
+def _named_on_failure(component: Component, function: Callable[..., Any]) -> Callable[..., Any]:
+    """The function of a component, which is named where it fails, whoever had asked for it."""
 
     def called(subject: Any, /, **parameters: Any) -> Any:
         with component.guard():

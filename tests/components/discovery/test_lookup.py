@@ -17,6 +17,8 @@ FIELDS = """
         return [FieldSpec(name="height", target="field_parts:height", requires=("surface",))]
 """
 
+BARE = FIELDS.replace("field_parts:height", "builtins:dict")
+
 
 def test_measures_are_loaded_once(good, monkeypatch):
     (good.folder / "good_parts.py").write_text("def girth(part): return 1.0\n")
@@ -45,6 +47,16 @@ def test_fields_are_loaded_once_and_say_what_they_require(site, monkeypatch):
     assert loads == ["fine:height"]
     with pytest.raises(PluginError, match=r"field 'fine:height' of Field-Parts 2\.0 failed"):
         found.function(None)
+
+
+def test_fields_say_what_their_parameters_are_where_nobody_does(site):
+    site.add("Field-Parts", "2.0", bundles={"fine": "fine_bundle"}, fine_bundle=FIELDS)
+    (site.folder / "field_parts.py").write_text(
+        "def height(shape, other=3, *, up='z', radius=0.1, among): ...\n"
+    )
+    assert dict(Lookup(site.discover()).field("height").defaults) == {"up": "z", "radius": 0.1}
+    site.add("No-Signature", "1.0", bundles={"bare": "bare_bundle"}, bare_bundle=BARE)
+    assert dict(Lookup(site.discover()).field("bare:height").defaults) == {}
 
 
 @pytest.mark.parametrize("kind", ["measure", "field"])
