@@ -1,15 +1,16 @@
 """Looks: how likely each element is to bear a label, from what it and its surroundings are like.
 
-A table of *looks* has for each kind of part a table of weights, a number for each of 116 quantities
+A table of *looks* has for each kind of part a table of weights, a number for each of 174 quantities
 ``x`` of an element (:data:`KEYS`). 58 are measured: four of its own, thickness, remoteness, its
 logarithm and concavity; its six of :mod:`moseg_learn.position`; and the twelve of
-:mod:`moseg_learn.surroundings` within 4, 8, 16 and 30 % of the diagonal. As many compare these
-with the rest of the shape: with the mean and the standard deviation of ``x`` over its surface ::
+:mod:`moseg_learn.surroundings` within 4, 8, 16 and 30 % of the diagonal. Twice as many compare
+these with the rest of the shape: with the mean and the standard deviation of ``x`` on its surface ::
 
-    relative x = z / sqrt(1 + z^2),   z = (x - mean) / deviation
+    relative x = z / sqrt(1 + z^2),   unusual x = z^2 / (1 + z^2),   z = (x - mean) / deviation
 
-is -1 where there is far less than is usual on this shape, 0 at the mean, 1 where there is far more.
-A leg of a stout animal is as thick as the body of a lean one, and thin beside its own.
+The first is -1 where there is far less than is usual on this shape, 0 at the mean, 1 where there is
+far more: a leg of a stout animal is as thick as the body of a lean one, and thin beside its own.
+The second is 0 at the mean, and 1 far from it, whichever way: a knee is neither near nor remote.
 
 With the ``constant`` they make the score of the kind, ``s_k = c_k + sum w_k x``, and the scores
 make probabilities (the multinomial logistic model, Cox 1966, of which Hastie, Tibshirani and
@@ -31,6 +32,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -54,7 +56,11 @@ MEASURED = (
 )
 """The quantities of an element that are measured; ``thickness`` is its logarithm."""
 
-KEYS = (*MEASURED, *(f"relative_{name}" for name in MEASURED))
+KEYS = (
+    *MEASURED,
+    *(f"relative_{name}" for name in MEASURED),
+    *(f"unusual_{name}" for name in MEASURED),
+)
 """The quantities that a look has weights for."""
 
 _ALIKE = 1e-3
@@ -71,7 +77,7 @@ class Looks:
     Parameters
     ----------
     kinds : tuple of str
-    weights : (n, 116) float
+    weights : (n, 174) float
         In the order of :data:`KEYS`.
     constants : (n,) float
     """
@@ -94,21 +100,7 @@ class Looks:
         >>> Looks.read({"leg": {"thickness": -3, "constant": 1}, "body": {}}).kinds
         ('leg', 'body')
         """
-        weights = np.zeros((len(among), len(KEYS) + 1))
-        place = {key: k for k, key in enumerate((*KEYS, CONSTANT))}
-        for row, (kind, own) in enumerate(among.items()):
-            if not isinstance(own, Mapping):
-                raise UsageError(f"the looks of '{kind}' must be a table of weights, not {own!r}")
-            for key, weight in own.items():
-                if key not in place:
-                    raise UsageError(f"in the looks of '{kind}': {unknown('quantity', key, place)}")
-                if isinstance(weight, bool) or not isinstance(weight, (int, float)):
-                    raise UsageError(
-                        f"in the looks of '{kind}': the weight '{key}' must be a number, not"
-                        f" {weight!r}"
-                    )
-                weights[row, place[key]] = weight
-        return cls(tuple(among), weights[:, :-1], weights[:, -1])
+        return _read_once(among) if isinstance(among, Table) else _read(among)
 
     def kind(self, name: str) -> int:
         """The number of a kind.
@@ -127,6 +119,30 @@ class Looks:
         hoods = Neighbourhoods.of(shape)
         scores = hoods.on_elements(quantities(shape) @ self.weights.T + self.constants)
         return np.minimum(-log_probabilities(scores), MOST)
+
+
+@lru_cache(maxsize=16)
+def _read_once(among: Table) -> Looks:
+    """See :meth:`Looks.read`; each term of a recipe, on each level, asks for the same table."""
+    return _read(among)
+
+
+def _read(among: Mapping[str, object]) -> Looks:
+    """See :meth:`Looks.read`."""
+    weights = np.zeros((len(among), len(KEYS) + 1))
+    place = {key: k for k, key in enumerate((*KEYS, CONSTANT))}
+    for row, (kind, own) in enumerate(among.items()):
+        if not isinstance(own, Mapping):
+            raise UsageError(f"the looks of '{kind}' must be a table of weights, not {own!r}")
+        for key, weight in own.items():
+            if key not in place:
+                raise UsageError(f"in the looks of '{kind}': {unknown('quantity', key, place)}")
+            if isinstance(weight, bool) or not isinstance(weight, (int, float)):
+                raise UsageError(
+                    f"in the looks of '{kind}': the weight '{key}' must be a number, not {weight!r}"
+                )
+            weights[row, place[key]] = weight
+    return Looks(tuple(among), weights[:, :-1], weights[:, -1])
 
 
 def unlikeliness(shape: Shape, *, kind: str = "", among: Table | None = None) -> FloatArray:
@@ -184,7 +200,7 @@ def quantities(shape: Shape) -> FloatArray:
 
     Returns
     -------
-    (K, 116) float
+    (K, 174) float
         In the order of :data:`KEYS`.
 
     Raises
@@ -199,7 +215,8 @@ def quantities(shape: Shape) -> FloatArray:
         means = Neighbourhoods.of(shape).of_elements(own)
         surroundings = (around(shape, radius) for radius in RADII)
         measured = np.hstack([means, positions(shape), *surroundings])
-        shape.made_from[key] = np.hstack([measured, beside_the_rest(shape, measured)])
+        relative = beside_the_rest(shape, measured)
+        shape.made_from[key] = np.hstack([measured, relative, relative**2])
     kept: FloatArray = shape.made_from[key]
     return kept
 
