@@ -93,6 +93,17 @@ def test_probabilities_are_one_together_where_none_is_cut_off(lump):
     assert total == pytest.approx(1, abs=3e-3)
 
 
+def test_a_table_is_read_once_and_others_each_time():
+    equal = Table(LOOKS.document())
+    assert Looks.read(LOOKS) is Looks.read(equal)
+    assert Looks.read(LOOKS).kinds == Looks.read(LOOKS.document()).kinds == ("body", "leg", "tail")
+    assert Looks.read(LOOKS.document()) is not Looks.read(LOOKS)
+    wrong = Table({"body": {"thickness": 1}, "leg": {"thinness": 1}})
+    for _ in range(2):
+        with pytest.raises(UsageError, match=r"in the looks of 'leg': unknown quantity 'thinness'"):
+            Looks.read(wrong)
+
+
 def test_nothing_is_unlikelier_than_one_in_a_thousand(lump):
     among = Table({"a": {"constant": 500}, "b": {"constant": -500}})
     assert unlikely(lump, "a", among).tolist() == [0.0] * lump.n_elements
