@@ -76,8 +76,8 @@ class Band:
         >>> (band.distances * row.frame.scale).round(6).tolist()
         [[0.0, inf], [0.0, 1.5], [0.0, 0.5], [0.5, 0.0], [1.5, 0.0], [inf, 0.0]]
         """
-        first, second, apart, cut = _links(shape, labels)
-        depth = depths(shape, labels, 2 * width)
+        first, second, apart, cut = links = _links(shape, labels)
+        depth = _depths(shape.n_elements, *links, limit=2 * width)
         free = (depth <= width) & _outer_half(labels, depth, shape.areas > 0, n_parts)
         free[pins.elements] = False
 
@@ -121,9 +121,20 @@ def depths(shape: Shape, labels: Int32Array, limit: float) -> FloatArray:
     (F,) float, diagonals
         Infinite beyond the limit.
     """
-    first, second, apart, cut = _links(shape, labels)
-    everywhere = np.ones(shape.n_elements, np.bool_)
-    ways = _ways(shape.n_elements, first, second, apart, cut, everywhere)
+    return _depths(shape.n_elements, *_links(shape, labels), limit=limit)
+
+
+def _depths(
+    size: int,
+    first: IntArray,
+    second: IntArray,
+    apart: FloatArray,
+    cut: BoolArray,
+    *,
+    limit: float,
+) -> FloatArray:
+    """See :func:`depths`; links as for :func:`_ways`."""
+    ways = _ways(size, first, second, apart, cut, np.ones(size, np.bool_))
     return _from_outside(ways, limit)
 
 
