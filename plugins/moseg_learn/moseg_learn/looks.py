@@ -1,16 +1,15 @@
 """Looks: how likely each element is to bear a label, from what it and its surroundings are like.
 
-A table of *looks* has for each kind of part a table of weights, a number for each of 174 quantities
+A table of *looks* has for each kind of part a table of weights, a number for each of 116 quantities
 ``x`` of an element (:data:`KEYS`). 58 are measured: four of its own, thickness, remoteness, its
 logarithm and concavity; its six of :mod:`moseg_learn.position`; and the twelve of
-:mod:`moseg_learn.surroundings` within 4, 8, 16 and 30 % of the diagonal. Twice as many compare
-these with the rest of the shape, with the mean and standard deviation of ``x`` on its surface ::
+:mod:`moseg_learn.surroundings` within 4, 8, 16 and 30 % of the diagonal. As many compare these
+with the rest of the shape: with the mean and the standard deviation of ``x`` over its surface ::
 
-    relative x = z / sqrt(1 + z^2),   unusual x = z^2 / (1 + z^2),   z = (x - mean) / deviation
+    relative x = z / sqrt(1 + z^2),   z = (x - mean) / deviation
 
-The first is -1 where there is far less than is usual on this shape, 0 at the mean, 1 where there is
-far more: a leg of a stout animal is as thick as the body of a lean one, and thin beside its own.
-The second is 0 at the mean, and 1 far from it, whichever way: a knee is neither near nor remote.
+is -1 where there is far less than is usual on this shape, 0 at the mean, 1 where there is far more.
+A leg of a stout animal is as thick as the body of a lean one, and thin beside its own.
 
 With the ``constant`` they make the score of the kind, ``s_k = c_k + sum w_k x``, and the scores
 make probabilities (the multinomial logistic model, Cox 1966, of which Hastie, Tibshirani and
@@ -56,11 +55,7 @@ MEASURED = (
 )
 """The quantities of an element that are measured; ``thickness`` is its logarithm."""
 
-KEYS = (
-    *MEASURED,
-    *(f"relative_{name}" for name in MEASURED),
-    *(f"unusual_{name}" for name in MEASURED),
-)
+KEYS = (*MEASURED, *(f"relative_{name}" for name in MEASURED))
 """The quantities that a look has weights for."""
 
 _ALIKE = 1e-3
@@ -77,7 +72,7 @@ class Looks:
     Parameters
     ----------
     kinds : tuple of str
-    weights : (n, 174) float
+    weights : (n, 116) float
         In the order of :data:`KEYS`.
     constants : (n,) float
     """
@@ -200,7 +195,7 @@ def quantities(shape: Shape) -> FloatArray:
 
     Returns
     -------
-    (K, 174) float
+    (K, 116) float
         In the order of :data:`KEYS`.
 
     Raises
@@ -215,8 +210,7 @@ def quantities(shape: Shape) -> FloatArray:
         means = Neighbourhoods.of(shape).of_elements(own)
         surroundings = (around(shape, radius) for radius in RADII)
         measured = np.hstack([means, positions(shape), *surroundings])
-        relative = beside_the_rest(shape, measured)
-        shape.made_from[key] = np.hstack([measured, relative, relative**2])
+        shape.made_from[key] = np.hstack([measured, beside_the_rest(shape, measured)])
     kept: FloatArray = shape.made_from[key]
     return kept
 

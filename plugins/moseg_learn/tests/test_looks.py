@@ -43,7 +43,7 @@ def unlikely(shape, kind, among=LOOKS):
 
 def test_quantities_are_the_fields_they_are_called_after(lump):
     found = dict(zip(KEYS, quantities(lump).T, strict=True))
-    assert len(found) == 174
+    assert len(found) == 116
     assert np.array_equal(found["thickness"], field_values(lump, "basic:log_thickness"))
     assert np.array_equal(found["log_remoteness"], np.log(found["remoteness"]))
     assert np.array_equal(found["concavity"], field_values(lump, "basic:concavity"))
@@ -62,7 +62,6 @@ def test_places_are_compared_with_the_rest_of_their_shape(lump):
         mean = np.average(x, weights=lump.areas)
         z = (x - mean) / np.sqrt(np.average((x - mean) ** 2, weights=lump.areas))
         assert found[f"relative_{name}"] == pytest.approx(z / np.hypot(1, z), abs=1e-9)
-        assert found[f"unusual_{name}"] == pytest.approx(z**2 / (1 + z**2), abs=1e-9)
 
 
 def test_what_is_the_same_everywhere_says_nothing():
