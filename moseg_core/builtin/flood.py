@@ -6,7 +6,7 @@ doi:10.1145/1015706.1015817). As corrected: a popped element is labelled only if
 yet. Ties go by (distance, centre, element). An element that no flood reaches, on a component
 without a seed, takes its nearest weighted centre.
 
-Three things make the loop fast without changing what comes out:
+Four things make the loop fast without changing what comes out:
 
 - An (element, centre) pair always carries the same priority, so it enters the queue at most once.
 - The queue is an implicit binary heap over two flat arrays: the distance, and one integer that
@@ -19,6 +19,10 @@ Three things make the loop fast without changing what comes out:
   Those of them that touch the rest enter the queue under their own distance, to be opened when
   they would have been: until then their path's entries stood in the queue below them, so every
   other entry is popped in the same order.
+- "All others" are those that can get to an element at all. Once every centre has been opened, only
+  the labels around a region that has none can get into it: where these are one label, the region
+  has it; elsewhere the nearest of these counts in place of the nearest of all. A large weight makes
+  a centre the nearest to half of a shape, from which smaller ones cut it off.
 
 A part may have several centres, each of which floods. What they reach may lie apart: then
 :func:`flood_parts` keeps the piece with the first of the part's centres that has reached anything,
@@ -163,6 +167,61 @@ def voronoi_labels(
 
 
 @kernel
+def _enclose(
+    distance: FloatArray,
+    nearest: Int32Array,
+    region: IntArray,
+    indptr: Int32Array,
+    indices: Int32Array,
+    labels: Int32Array,
+) -> None:
+    """See who can get to what has no label, once all centres have been opened.
+
+    A region is connected, and all around it has labels, which alone can get into it. A single one
+    takes the region at once. Where there are more, `nearest` becomes the nearest of these.
+    """
+    n, size = distance.shape
+    seen, comes = np.zeros(size, np.bool_), np.empty(n, np.bool_)
+    who = np.empty(n, np.int64)
+    for start in range(size):
+        if labels[start] >= 0 or seen[start]:
+            continue
+        comes[:] = False
+        seen[start] = True
+        region[0] = start
+        count, done = 1, 0
+        while done < count:
+            f = region[done]
+            done += 1
+            for e in range(indptr[f], indptr[f + 1]):
+                g = indices[e]
+                if labels[g] >= 0:
+                    comes[labels[g]] = True
+                elif not seen[g]:
+                    seen[g] = True
+                    region[count] = g
+                    count += 1
+        n_who = 0
+        for i in range(n):
+            if comes[i]:
+                who[n_who] = i
+                n_who += 1
+        if n_who == 1:
+            for k in range(count):
+                labels[region[k]] = who[0]
+        elif n_who > 1:
+            for k in range(count):
+                f = region[k]
+                best, least, tie = who[0], distance[who[0], f], False
+                for c in range(1, n_who):
+                    d = distance[who[c], f]
+                    tie = d == least or (tie and d > least)
+                    if d < least:
+                        best, least = who[c], d
+                nearest[f] = -1 if tie else best
+
+
+@kernel
 def _flood(
     distance: FloatArray,
     nearest: Int32Array,
@@ -177,6 +236,9 @@ def _flood(
 ) -> None:
     """Let all that has a label flood what has none, and open the `count` entries queued before."""
     size = distance.shape[1]
+    last_center, enclosed = -1.0, False
+    for k in range(count):
+        last_center = max(last_center, key[k])
     for g in range(size):
         if labels[g] >= 0:
             continue
@@ -188,6 +250,9 @@ def _flood(
                 count = push(key, code, count, distance[i, f], i * size + f)
 
     while count > 0:
+        if not enclosed and key[0] > last_center:  # a centre not opened by now has no part
+            enclosed = True
+            _enclose(distance, nearest, climbed, indptr, indices, labels)
         i, f = divmod(int(code[0]), size)
         # The first neighbour queued takes the place of the entry that leaves: one walk down
         # the heap instead of two.
