@@ -367,9 +367,13 @@ def _lie_apart(
     n, size = len(parts), len(labels)
     first = np.arange(n)  # the first centre of the piece, where it has been joined so far
     on = np.full(n, -1, np.int64)
+    several = np.zeros(n, np.bool_)
+    for i in range(1, n):
+        if parts[i] == parts[i - 1]:
+            several[i - 1], several[i] = True, True
     for f in range(size):
         i = labels[f]
-        if i < 0:
+        if i < 0 or not several[i]:
             continue
         on[i] = component[f]
         for e in range(indptr[f], indptr[f + 1]):
