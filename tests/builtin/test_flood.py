@@ -229,6 +229,20 @@ def test_a_segment_cut_off_by_another_stays_with_the_flood_that_reaches_it():
     assert flood(bent, shape.adjacency, centers, np.ones(2)) == [0, 0, 1, 1, 1, 1]
 
 
+def test_a_heavy_centre_that_comes_too_late_keeps_nobody_from_the_rest():
+    """It is the nearest to most of a row whose elements it never gets to."""
+    size = 40
+    points = np.array([(x, 0.0, 0.0) for x in range(size)])
+    adjacency = Adjacency.from_pairs(np.array([(x, x + 1) for x in range(size - 1)]), size)
+    centers = np.array([(3.0, 0, 0), (3.0, 0.9, 0), (30.0, 0, 0)])
+    weights = np.array([1.0, 5.0, 1.0])
+    away = np.linalg.norm(points[:, None] - centers, axis=2) / weights
+    assert (away.argmin(axis=1) == 1).sum() > size / 2
+    expected = connected_partition(points.tolist(), neighbors(adjacency), centers, weights)
+    assert flood(points, adjacency, centers, weights) == expected
+    assert set(expected) == {0, 2}
+
+
 def test_a_component_without_a_seed_takes_its_nearest_weighted_centres():
     shape = Shape.from_mesh(*shapes.joined(shapes.strip(4), shapes.soup(3, 5)))
     centers = shape.points[[0, 3]] + [[0, 1e-3, 0], [0, -1e-3, 0]]
