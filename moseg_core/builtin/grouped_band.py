@@ -16,11 +16,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import sparse
-from scipy.sparse import csgraph
 
 from moseg_core.builtin.band import Band
 from moseg_core.builtin.swaps import Energy
+from moseg_core.shape.adjacency import Adjacency
 from moseg_core.shape.coarse import coarsen
 from moseg_core.shape.links import Links
 from moseg_core.shape.shape import Shape
@@ -115,9 +114,5 @@ def _groups(shape: Shape, labels: Int32Array, free: BoolArray, coarse: Shape) ->
     kinds = np.stack([coarse.members, labels, free], axis=1)
     first, second = shape.links.first, shape.links.second
     alike = (kinds[first] == kinds[second]).all(axis=1)
-    graph = sparse.csr_array(
-        (np.ones(int(alike.sum()), np.int8), (first[alike], second[alike])),
-        shape=(len(labels), len(labels)),
-    )
-    groups: IntArray = csgraph.connected_components(graph, directed=False)[1].astype(np.int64)
-    return groups
+    pairs = np.stack([first[alike], second[alike]], axis=1)
+    return Adjacency.from_pairs(pairs, len(labels)).components()[1]

@@ -196,7 +196,7 @@ class Labellings:
         """(B, n) bool: the parts whose rows of a table are to be computed; None where none is.
 
         Where rows are wanted for the second time, by another term, all others will be too as a
-        rule: to begin ten times takes longer than to compute all at once.
+        rule, and one pass over the elements is made for all of them.
         """
         missing = wanted & ~known
         if not missing.any():

@@ -21,14 +21,13 @@ ever, those of the first task that is still running; asked to stop, all are.
 
 from __future__ import annotations
 
-import gc
 import multiprocessing
 import pickle
 import signal
 import traceback
 import warnings
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from multiprocessing.connection import Connection, wait
 from types import TracebackType
@@ -289,8 +288,7 @@ class Workers:
             # (BLAS) look after themselves.
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", DeprecationWarning)
-                with _frozen_garbage():
-                    process.start()
+                process.start()
         except OSError:
             mine.close()
             raise
@@ -411,23 +409,6 @@ def _serve(
             pipe.send_bytes(_packed(answer))
         except OSError:  # nobody is there any more
             return
-
-
-@contextmanager
-def _frozen_garbage() -> Iterator[None]:
-    """Spare a copy made meanwhile to look through what is there for garbage, again and again.
-
-    All modules and shapes are there, hundreds of thousands of objects; to look through them takes
-    longer than to evaluate a hundred candidates.
-    """
-    if gc.get_freeze_count():  # somebody else has seen to it
-        yield
-        return
-    gc.freeze()
-    try:
-        yield
-    finally:
-        gc.unfreeze()
 
 
 def _packed(answer: tuple[str, Any]) -> bytes:

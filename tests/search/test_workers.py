@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gc
 import multiprocessing
 import os
 import signal
@@ -403,32 +402,3 @@ def test_processes_share_the_processors_among_them(monkeypatch):
     with Workers({"count": stretches}, 2, never_stop) as workers:
         assert workers.map("count", [(), ()]) == [3, 3]
     assert stretches(report=never_stop) == 6
-
-
-@pytest.fixture
-def nothing_frozen():
-    """No object is passed over by the garbage collector, whatever a test before has left."""
-    frozen = gc.get_freeze_count()
-    gc.unfreeze()
-    yield
-    if frozen:
-        gc.freeze()
-
-
-def looked_through(*, report):
-    return len(gc.get_objects())
-
-
-def test_copies_do_not_look_through_what_was_there_for_garbage(nothing_frozen):
-    with Workers({"looked": looked_through}, 2, never_stop) as workers:
-        there = workers.map("looked", [(), ()])
-    assert max(there) < len(gc.get_objects()) / 10
-    assert gc.get_freeze_count() == 0
-
-
-def test_what_somebody_else_has_frozen_stays_so(nothing_frozen):
-    gc.freeze()
-    frozen = gc.get_freeze_count()
-    with Workers({"looked": looked_through}, 2, never_stop) as workers:
-        workers.map("looked", [(), ()])
-    assert gc.get_freeze_count() > frozen / 2  # but for what nobody holds any more
