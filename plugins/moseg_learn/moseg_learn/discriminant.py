@@ -33,16 +33,17 @@ import numpy as np
 from scipy import optimize
 
 from moseg_core import Example, UsageError
+from moseg_learn.branches import BRANCHES
 from moseg_learn.looks import CONSTANT, KEYS, MEASURED, MOST, log_probabilities, quantities
 from moseg_learn.neighbourhoods import FloatArray, Neighbourhoods
 
-RIDGE = np.where(np.arange(len(KEYS)) < len(MEASURED), 0.5, 0.1)
+_STEADY = {*MEASURED} - {*BRANCHES}
+RIDGE = np.array([0.5 if key in _STEADY else 0.1 for key in KEYS])
 """What large weights cost, beside the mean of ``-log p`` over one example.
 
-Of quantities that are measured more than of those that compare places with the rest of their shape:
-the former differ more from shape to shape. (By trial, each of 95 models in nineteen categories left
-out in turn: 86.1 % of the area right place by place; the latter alone 85.7, both at 0.3 85.6, the
-former alone 84.2, and 80.9 without positions and normals.)
+Of most quantities that are measured more than of those that compare places with the rest of their
+shape: the former differ more from shape to shape. What is measured of branches compares as well.
+(By trial, each of 95 models in nineteen categories left out in turn: TODO.)
 """
 
 ALONE = 1.0
@@ -58,7 +59,7 @@ class Sample:
 
     Parameters
     ----------
-    values : (K, 116) float
+    values : (K, 126) float
         In the order of :data:`moseg_learn.looks.KEYS`.
     shares : (K, n) float
         Of the area of the shape, what each group has of each kind; 1 together.
@@ -130,7 +131,7 @@ def fitted(samples: Sequence[Sample]) -> tuple[FloatArray, FloatArray]:
 
     Returns
     -------
-    weights : (n, 116) float
+    weights : (n, 126) float
     constants : (n,) float
         Minus infinity for a kind that none of the samples has.
     """
