@@ -19,7 +19,7 @@ with arms and head is one too where legs part from it. With ``P`` the piece that
     length_beyond    max r over P  -  r
     branch_area      log(share of the surface in B)
     branch_length    max r over B  -  l
-    along_branch     (r - l) / branch_length,   from 0 where it begins to 1 at its tip
+    along_branch     (r - l) / max(branch_length, 0.1),   from 0 where B begins to 1 at its tip
 
 Between two levels the first two go steadily from those of one to those of the other, and a piece
 counts what has only just come into it for less: many places are equally remote where shapes are
@@ -113,7 +113,9 @@ def branches(shape: Shape) -> FloatArray:
     return branches_of(remoteness, hoods.areas / hoods.areas.sum(), matrix)
 
 
-def branches_of(remoteness: FloatArray, share: FloatArray, touching: sparse.csr_array) -> FloatArray:
+def branches_of(
+    remoteness: FloatArray, share: FloatArray, touching: sparse.csr_array
+) -> FloatArray:
     """The quantities of :func:`branches`, of any function on a graph.
 
     Parameters
@@ -164,7 +166,7 @@ def branches_of(remoteness: FloatArray, share: FloatArray, touching: sparse.csr_
             farthest - remoteness,
             np.log(branch_area),
             length,
-            np.clip((remoteness - level) / np.maximum(length, _LEAST), 0.0, 1.0),
+            np.clip((remoteness - level) / np.maximum(length, LEAST_LENGTH), 0.0, 1.0),
         ]
     )
 
@@ -186,9 +188,9 @@ def _pieces(
     return _Pieces(
         level=level,
         members=members,
-        piece=piece,
-        area=np.bincount(piece, own, count),
-        steady_area=np.bincount(piece, counted, count),
+        piece=piece.astype(np.intp),
+        area=np.bincount(piece, own, count).astype(np.float64),
+        steady_area=np.bincount(piece, counted, count).astype(np.float64),
         tip=tip,
     )
 
@@ -198,9 +200,8 @@ def _meeting(above: _Pieces, here: _Pieces) -> npt.NDArray[np.bool_]:
     branch = (above.area >= LEAST_AREA) & (above.tip - above.level >= LEAST_LENGTH)
     into = np.zeros(len(above.area), np.intp)
     into[above.piece] = here.piece[np.searchsorted(here.members, above.members)]
-    met: npt.NDArray[np.bool_] = branch & (np.bincount(into[branch], minlength=len(here.area)) > 1)[
-        into
-    ]
+    several = np.bincount(into[branch], minlength=len(here.area)) > 1
+    met: npt.NDArray[np.bool_] = branch & several[into]
     return met
 
 

@@ -37,13 +37,14 @@ from moseg_learn.branches import BRANCHES
 from moseg_learn.looks import CONSTANT, KEYS, MEASURED, MOST, log_probabilities, quantities
 from moseg_learn.neighbourhoods import FloatArray, Neighbourhoods
 
-_STEADY = {*MEASURED} - {*BRANCHES}
-RIDGE = np.array([0.5 if key in _STEADY else 0.1 for key in KEYS])
+RIDGE = np.array([0.5 if key in MEASURED and key not in BRANCHES else 0.1 for key in KEYS])
 """What large weights cost, beside the mean of ``-log p`` over one example.
 
-Of most quantities that are measured more than of those that compare places with the rest of their
-shape: the former differ more from shape to shape. What is measured of branches compares as well.
-(By trial, each of 95 models in nineteen categories left out in turn: TODO.)
+Of what is measured more than of what compares a place with the rest of its shape, as branches do by
+themselves: the former differs more from shape to shape. (By trial, each of 95 models in nineteen
+categories left out in turn: 87.5 % of the area right place by place. Without branches 86.1; without
+branches, comparisons alone 85.7, both at 0.3 85.6, what is measured alone 84.2, and 80.9 without
+positions and normals.)
 """
 
 ALONE = 1.0

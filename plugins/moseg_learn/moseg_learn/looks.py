@@ -4,7 +4,8 @@ A table of *looks* has for each kind of part a table of weights, a number for ea
 ``x`` of an element (:data:`KEYS`). 63 are measured: four of its own, thickness, remoteness, its
 logarithm and concavity; its six of :mod:`moseg_learn.position`; its five of
 :mod:`moseg_learn.branches`; and the twelve of :mod:`moseg_learn.surroundings` within 4, 8, 16 and
-30 % of the diagonal. As many compare these with the rest of the shape: with the mean and the standard deviation of ``x`` over its surface ::
+30 % of the diagonal. As many compare these with the rest of the shape: with the mean and the
+standard deviation of ``x`` over its surface ::
 
     relative x = z / sqrt(1 + z^2),   z = (x - mean) / deviation
 
