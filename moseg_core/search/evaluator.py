@@ -5,12 +5,8 @@ The search spends its time here. Four things keep it short, none of which change
 - terms with a vectorised form are evaluated for all candidates of a batch in one call;
 - other values of parts that were seen before are remembered (:mod:`moseg_core.components.memo`);
 - equal labellings in a batch are evaluated once;
-- where the optimizer promises that only the best of a batch matters, terms are evaluated from
-  cheap to expensive, and a candidate is dropped as soon as what is known of its cost, with every
-  missing term at the least value that it declares, is more than another candidate's cost. On a
-  horse this leaves out nearly all surface distances of a poll. Where an objective bounds its values
-  from below for this very shape, that stands in for the least value; with ``paper_horse`` this
-  leaves out two of three hulls.
+- where the optimizer promises that only the best of a batch matters, what cannot matter is left out
+  (:mod:`moseg_core.search.candidates`).
 
 Where a record is kept (:mod:`moseg_core.search.answer_record`), answers that it has are taken from
 there.
@@ -20,6 +16,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 
@@ -30,24 +27,11 @@ from moseg_core.components.labellings import Labellings
 from moseg_core.components.memo import Memo
 from moseg_core.components.protocols import Batch, Parameterization
 from moseg_core.components.segmentation import Segmentation
-from moseg_core.problem.aggregate import (
-    Evaluation,
-    Values,
-    evaluate_segmentation,
-    evaluation_of,
-    weighted_sum,
-)
-from moseg_core.problem.binding import BoundTerm
-from moseg_core.problem.calls import (
-    all_empty_parts,
-    all_term_values,
-    call_value,
-    known_value,
-    leaves_out,
-)
+from moseg_core.problem.aggregate import Evaluation, evaluate_segmentation, evaluation_of
 from moseg_core.problem.problem import Problem
 from moseg_core.search.answer_record import answers_about
 from moseg_core.search.assignment import UnaryCosts, unary_values
+from moseg_core.search.candidates import Candidates, PlannedTerms
 from moseg_core.search.checked_partition import checked
 from moseg_core.shape.pins import NO_PINS, Pins
 from moseg_core.shape.shape import Shape
@@ -105,18 +89,7 @@ class ProblemEvaluator:
         self.input = self if input is None else input
         self._answers = answers_about(shape, problem, self.parameterization, pins)
         self._lookup = Lookup(problem.registry)
-        self._least: Values = [[_least(term)] * len(term.calls) for term in problem.terms]
-        self._least_sum = weighted_sum(problem.terms, self._least)
-        self._vectorized: list[tuple[int, BoundTerm]] = []
-        self._bounded: list[tuple[int, BoundTerm]] = []
-        self._by_rank: dict[int, list[tuple[int, BoundTerm]]] = {}
-        for t, term in enumerate(problem.terms):
-            if term.vectorized is not None:
-                self._vectorized.append((t, term))
-            else:
-                self._by_rank.setdefault(term.cost_rank, []).append((t, term))
-            if term.at_least is not None:
-                self._bounded.append((t, term))
+        self._planned = PlannedTerms.of(problem)
         # Before the search, so that a field that fails is known at once, and processes share it.
         for name in problem.fields:
             field_values(shape, name, lookup=self._lookup)
@@ -224,11 +197,8 @@ class ProblemEvaluator:
             if owner[-1] == len(distinct):
                 distinct.append(row)
         orders = np.tile(np.arange(labellings.n_parts), (len(distinct), 1))
-        found = self._complete(
-            _Candidates(self, labellings, np.array(distinct, np.int64), orders),
-            cutoff=batch.cutoff,
-            best_only=batch.best_only,
-        )
+        candidates = self._candidates(labellings, np.array(distinct, np.int64), orders)
+        found = candidates.complete(cutoff=batch.cutoff, best_only=batch.best_only)
         return [found[k] for k in owner]
 
     def unary_costs(self, vector: FloatArray) -> UnaryCosts:
@@ -243,8 +213,8 @@ class ProblemEvaluator:
         """Cost of a segmentation when label ``j`` goes to its part ``order[j]``."""
 
         def compute() -> list[Cost]:
-            labelling = segmentation.labelling
-            return self._exact(_Candidates(self, labelling, np.zeros(1, np.int64), order[None]))
+            row = np.zeros(1, np.int64)
+            return self._candidates(segmentation.labelling, row, order[None]).exact()
 
         return self._answers.costs("order", [segmentation.level_labels, order], compute)[0]
 
@@ -268,8 +238,8 @@ class ProblemEvaluator:
 
         def compute() -> list[Cost]:
             rows = np.zeros(len(orders), np.int64)
-            candidates = _Candidates(self, segmentation.labelling, rows, np.stack(orders))
-            return self._complete(candidates, cutoff=cutoff, best_only=True)
+            candidates = self._candidates(segmentation.labelling, rows, np.stack(orders))
+            return candidates.complete(cutoff=cutoff, best_only=True)
 
         given = [segmentation.level_labels, np.stack(orders), cutoff]
         return self._answers.costs("orders", given, compute)
@@ -315,8 +285,8 @@ class ProblemEvaluator:
         ]
         if not orders:
             return []
-        candidates = _Candidates(self, labellings, np.arange(len(orders)), np.stack(orders))
-        return list(zip(orders, self._exact(candidates), strict=True))
+        candidates = self._candidates(labellings, np.arange(len(orders)), np.stack(orders))
+        return list(zip(orders, candidates.exact(), strict=True))
 
     def _labellings(self, vectors: FloatArray) -> Labellings:
         """The partitions that vectors describe."""
@@ -340,175 +310,14 @@ class ProblemEvaluator:
         if self.best is None or cost < self.best[0]:
             self.best = cost, vector.copy()
 
-    def _exact(self, candidates: _Candidates) -> list[Cost]:
-        """Costs of candidates, all terms evaluated."""
-        everyone = range(len(candidates.costs))
-        candidates.evaluate_vectorized(everyone)
-        for c in everyone:
-            for rank in sorted(self._by_rank):
-                candidates.evaluate(c, rank)
-        return candidates.costs
-
-    def _complete(
-        self, candidates: _Candidates, *, cutoff: Cost | None, best_only: bool
-    ) -> list[Cost]:
-        """Costs of distinct candidates, dropping those that cannot matter; see :class:`Batch`."""
-        costs, ranks = candidates.costs, sorted(self._by_rank)
-        hopeful = [c for c, cost in enumerate(costs) if cutoff is None or cost < cutoff]
-        if not best_only:
-            candidates.evaluate_vectorized(hopeful)
-            if cutoff is not None:
-                candidates.bound([c for c in hopeful if costs[c] < cutoff])
-            for c in hopeful:
-                for rank in ranks:
-                    if cutoff is not None and costs[c] >= cutoff:
-                        break
-                    candidates.evaluate(c, rank)
-            return costs
-        # Cheapest terms of all first: the most promising candidate then sets the mark early.
-        best: tuple[Cost, int] | None = None
-        fewest = min((cost.empty for cost in costs), default=0)
-        hopeful = [c for c in hopeful if costs[c].empty == fewest]
-        candidates.evaluate_vectorized(hopeful)
-        candidates.bound([c for c in hopeful if cutoff is None or costs[c] < cutoff])
-        if not (self._vectorized or self._bounded) and ranks:
-            cheapest = ranks.pop(0)
-            for c in hopeful:
-                candidates.evaluate(c, cheapest)
-        for c in sorted(hopeful, key=lambda c: (costs[c], c)):
-            for rank in ranks:
-                if cutoff is not None and costs[c] >= cutoff:
-                    break
-                if best is not None and (costs[c], c) > best:
-                    break
-                candidates.evaluate(c, rank)
-            else:
-                if best is None or (costs[c], c) < best:
-                    best = (costs[c], c)
-        return costs
-
-
-class _Candidates:
-    """Segmentations some of whose terms are evaluated; the others stand at their least.
-
-    Parameters
-    ----------
-    evaluator : ProblemEvaluator
-    labellings : Labellings
-    rows : (C,) int
-        The labelling that each candidate is of.
-    orders : (C, n) int
-        Which of its parts bears each label.
-
-    Attributes
-    ----------
-    costs : list of Cost
-        Of each candidate, or a lower bound of it.
-    """
-
-    def __init__(
-        self,
-        evaluator: ProblemEvaluator,
-        labellings: Labellings,
-        rows: IntArray,
-        orders: IntArray,
-    ) -> None:
-        self._evaluator = evaluator
-        self._terms = terms = evaluator.problem.terms
-        self._labellings, self._rows, self._orders = labellings, rows, orders
-        self._made: dict[int, Segmentation] = {}
-        self._empty = all_empty_parts(terms, labellings)[rows[:, None], orders]
-        violations: list[int] = np.count_nonzero(self._empty, axis=1).tolist()
-        self._some_empty = [count > 0 for count in violations]
-        if len(evaluator.pins.elements):
-            violations = [
-                count + evaluator.pins.broken(self.segmentation(c).level_labels)
-                for c, count in enumerate(violations)
-            ]
-        self.costs = [Cost(count, evaluator._least_sum) for count in violations]
-        self._values: list[Values] = [evaluator._least.copy() for _ in violations]
-        for c, some in enumerate(self._some_empty):
-            if some:
-                empty = self._empty[c].tolist()
-                self._values[c] = [
-                    [None if leaves_out(term, call, empty) else row[0] for call in term.calls]
-                    for term, row in zip(terms, self._values[c], strict=True)
-                ]
-                self._add_up(c)
-
-    def segmentation(self, c: int) -> Segmentation:
-        """A candidate's parts, for terms that look at them one by one."""
-        if c not in self._made:
-            made = self._evaluator._segmentation(self._labellings, int(self._rows[c]))
-            order = self._orders[c]
-            moved = (order != np.arange(len(order))).any()
-            self._made[c] = made.permuted(order) if moved else made
-        return self._made[c]
-
-    def _add_up(self, c: int) -> None:
-        self.costs[c] = Cost(self.costs[c].empty, weighted_sum(self._terms, self._values[c]))
-
-    def evaluate_vectorized(self, which: Sequence[int]) -> None:
-        """Evaluate all terms with a vectorised form; costs become better lower bounds."""
-        vectorized = self._evaluator._vectorized
-        if not which or not vectorized:
-            return
-        self._evaluate_all(which, vectorized)
-
-    def _evaluate_all(
-        self,
-        which: Sequence[int],
-        terms: Sequence[tuple[int, BoundTerm]],
-        *,
-        bounded_by: Memo | None = None,
-    ) -> None:
-        """Values, or lower bounds, of some terms of some candidates at once."""
-        chosen = np.array(which)
-        rows, orders, empty = self._rows[chosen], self._orders[chosen], self._empty[chosen]
-        for t, term in terms:
-            found = all_term_values(
-                term, self._labellings, rows, orders, empty, bounded_by=bounded_by
-            )
-            for c, row in zip(which, found, strict=True):
-                self._values[c][t] = row
-        for c in which:
-            self._add_up(c)
-
-    def bound(self, which: Sequence[int]) -> None:
-        """Bound terms from below that take long to evaluate; costs become better lower bounds."""
-        bounded = self._evaluator._bounded
-        if which and bounded:
-            self._evaluate_all(which, bounded, bounded_by=self._evaluator.memo)
-
-    def evaluate(self, c: int, rank: int) -> None:
-        """Evaluate a candidate's other terms of one cost class; its cost becomes a better bound."""
-        segmentation, some_empty = self.segmentation(c), self._some_empty[c]
-        empty: list[bool] = self._empty[c].tolist()
-        missing = []
-        for t, term in self._evaluator._by_rank[rank]:
-            row = self._values[c][t] = [
-                None
-                if some_empty and leaves_out(term, call, empty)
-                else known_value(term, call, segmentation)
-                for call in term.calls
-            ]
-            if None in row:
-                missing.append((term, row))
-                # What is measured of a part is measured in one pass of all that have been made.
-                if term.arity == "unary":
-                    view = segmentation.view(term.space)
-                    for call, value in zip(term.calls, row, strict=True):
-                        if value is None:
-                            view.part(call[0])
-        names = self._evaluator.problem.labels
-        for term, row in missing:
-            for k, call in enumerate(term.calls):
-                if row[k] is None:
-                    row[k] = call_value(term, call, segmentation, empty, names)
-        self._add_up(c)
-
-
-def _least(term: BoundTerm) -> float:
-    """The value of a call that adds the least to the cost."""
-    low, high = term.objective.traits.range
-    return low if term.weight > 0 else high
+    def _candidates(self, labellings: Labellings, rows: IntArray, orders: IntArray) -> Candidates:
+        """Some of several partitions, their parts in some orders."""
+        return Candidates(
+            self._planned,
+            labellings,
+            rows,
+            orders,
+            pins=self.pins,
+            memo=self.memo,
+            segmentation=partial(self._segmentation, labellings),
+        )
