@@ -7,7 +7,7 @@ of remoteness (Carr, Snoeyink and Axen 2003, doi:10.1016/S0925-7721(02)00093-7),
 the tips, and which bending does not change (Hilaga, Shinagawa, Kohmura and Kunii 2001,
 doi:10.1145/383259.383282, compare shapes by a graph of the same function).
 
-The levels of remoteness ``r`` are gone down in steps of 0.01. At each, what is at least so remote
+Remoteness ``r`` is gone down level by level, in steps of 0.01. At each, what is at least so remote
 falls into connected pieces; the deeper, the fewer and larger. A piece is a *branch* where it meets
 another: both have at least a hundredth of the surface, and a tip at least 0.1 more remote than the
 place where they meet. A place lies on the smallest branch that has it, and where there is none, on
@@ -47,6 +47,10 @@ STEP = 0.01
 """How far levels are apart, in remoteness, which is 1 in the middle of a shape and about 2 at tips.
 
 By trial, 0.005 tells kinds apart as well, 0.02 a little worse."""
+
+MOST_LEVELS = 500
+"""How many levels there are at most: those of a ball with a hair that is very long are wider apart.
+"""
 
 LEAST_AREA, LEAST_LENGTH = 0.01, 0.1
 """What a branch has at least, of the surface and in remoteness; what is less is a bump on another.
@@ -138,14 +142,16 @@ def branches_of(
     [0.19, 0.19, 0.2, 0.19, 0.19]
     """
     lowest = remoteness.min()
-    rung = np.floor((remoteness - lowest) / STEP).astype(np.intp)
+    step = max(STEP, float(remoteness.max() - lowest) / MOST_LEVELS)
+    rung = np.floor((remoteness - lowest) / step).astype(np.intp)
     # Row h + 1 is what lies beyond each node at level h, row 0 is as row 1.
     area = np.zeros((rung.max() + 2, len(rung)))
     tip = np.zeros_like(area)
     own = np.full((3, len(rung)), np.nan)  # of each node's branch: area, tip, level
     above = None
     for height in range(rung.max(), -1, -1):
-        here = _pieces(rung >= height, lowest + height * STEP, remoteness, share, touching)
+        level = lowest + height * step
+        here = _pieces(rung >= height, level, step, remoteness, share, touching)
         area[height + 1, here.members] = here.steady_area[here.piece]
         tip[height + 1, here.members] = here.tip[here.piece]
         if above is not None:
@@ -154,19 +160,19 @@ def branches_of(
     assert above is not None  # there is at least one level
     _take(own, above, np.ones(len(above.area), bool))
     area[0], tip[0] = area[1], tip[1]
-    node, part = np.arange(len(rung)), (remoteness - lowest) / STEP - rung
+    node, part = np.arange(len(rung)), (remoteness - lowest) / step - rung
     beyond, farthest = (
         (1.0 - part) * rows[rung, node] + part * rows[rung + 1, node] for rows in (area, tip)
     )
-    branch_area, branch_tip, level = own
-    length = branch_tip - level
+    branch_area, branch_tip, start = own
+    length = branch_tip - start
     return np.column_stack(
         [
             np.log(np.maximum(beyond, _LEAST)),
             farthest - remoteness,
             np.log(branch_area),
             length,
-            np.clip((remoteness - level) / np.maximum(length, LEAST_LENGTH), 0.0, 1.0),
+            np.clip((remoteness - start) / np.maximum(length, LEAST_LENGTH), 0.0, 1.0),
         ]
     )
 
@@ -174,6 +180,7 @@ def branches_of(
 def _pieces(
     among: npt.NDArray[np.bool_],
     level: float,
+    step: float,
     remoteness: FloatArray,
     share: FloatArray,
     touching: sparse.csr_array,
@@ -184,7 +191,7 @@ def _pieces(
     own, height = share[members], remoteness[members]
     tip = np.full(count, level)
     np.maximum.at(tip, piece, height)
-    counted = own * np.clip((height - level) / STEP, 0.0, 1.0)
+    counted = own * np.clip((height - level) / step, 0.0, 1.0)
     return _Pieces(
         level=level,
         members=members,

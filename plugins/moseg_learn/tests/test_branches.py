@@ -7,7 +7,16 @@ from itertools import pairwise
 import numpy as np
 import pytest
 import trimesh
-from moseg_learn.branches import BRANCHES, LEAST_AREA, LEAST_LENGTH, STEP, branches, branches_of
+from moseg_learn import branches as module
+from moseg_learn.branches import (
+    BRANCHES,
+    LEAST_AREA,
+    LEAST_LENGTH,
+    MOST_LEVELS,
+    STEP,
+    branches,
+    branches_of,
+)
 from scipy import sparse
 from scipy.spatial.transform import Rotation
 
@@ -136,6 +145,22 @@ def test_what_is_small_is_a_bump():
     share = np.r_[share[:17], np.full(8, LEAST_AREA / 20)]
     found = named(branches_of(r, share / share.sum(), touching))
     assert np.exp(found["branch_area"][17:]) == pytest.approx(1)
+
+
+def test_a_very_long_hair_makes_no_more_levels_than_there_may_be(monkeypatch):
+    levels = []
+    whole = module._pieces
+    monkeypatch.setattr(
+        module,
+        "_pieces",
+        lambda among, level, *rest: levels.append(level) or whole(among, level, *rest),
+    )
+    r, share, touching = star(6, 4, 8)
+    r[-1] = 100.0
+    found = named(branches_of(r, share, touching))
+    assert len(levels) == MOST_LEVELS + 1
+    assert found["length_beyond"][-1] == pytest.approx(0)
+    assert found["branch_length"][-1] == pytest.approx(100 - 1.05, abs=0.2)
 
 
 def test_loose_pieces_are_whole_each():
