@@ -47,6 +47,10 @@ branches, comparisons alone 85.7, both at 0.3 85.6, what is measured alone 84.2,
 positions and normals.)
 """
 
+RIDGE_ALONE = np.array([0.5 if key in MEASURED else 0.1 for key in KEYS])
+"""The same where there is one example, of which nobody knows how far its branches are like others':
+80.8 % right place by place instead of 79.7; of two or four, RIDGE is better."""
+
 ALONE = 1.0
 """The temperature where there is one example: the best of 1, 1.5, 2, 3 on nineteen categories."""
 
@@ -146,7 +150,8 @@ def fitted(samples: Sequence[Sample]) -> tuple[FloatArray, FloatArray]:
     wanted = shares[:, there] * np.sqrt(own.sum() / own[there])
     wanted /= wanted.sum()
     standard = np.column_stack([(values - middle) / scale, np.ones(len(values))])
-    solution = _solved(standard, wanted, RIDGE / len(samples))
+    ridge = RIDGE_ALONE if len(samples) == 1 else RIDGE
+    solution = _solved(standard, wanted, ridge / len(samples))
     weights, constants = np.zeros((len(own), len(scale))), np.full(len(own), -np.inf)
     weights[there] = solution[:, :-1] / scale
     constants[there] = solution[:, -1] - weights[there] @ middle

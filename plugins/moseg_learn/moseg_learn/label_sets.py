@@ -2,11 +2,17 @@
 
 Where all have as many, the recipe lists its labels: ``body``, ``leg1`` to ``leg4``. Where members
 differ, labels bear counts, ``leg{2..5}`` and ``tail{0..1}``, and what was seen is listed as the
-recipe's variants.
+recipe's variants. Where no example has all kinds, the horns of one and the tail of another, the
+last variant is what has all of them: each as often as most of those that have it, of equally many
+the fewer. Which variant a shape is of is decided by how well its parts fit
+(:mod:`moseg_core.search.typical_cost`), so that one more does no harm where nobody is like it.
+
+TODO
 """
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -24,7 +30,8 @@ class LabelSets:
     stated : tuple of str
         The same as a recipe's ``labels``, with counts where they differ.
     variants : tuple of tuple of str
-        The label sets that were seen, the commonest first; empty where there is one.
+        The label sets that were seen, the commonest first, then that of all kinds where it was not
+        seen; empty where there is one.
     """
 
     labels: dict[str, tuple[str, ...]]
@@ -49,6 +56,8 @@ def label_sets_of(counts: Sequence[dict[str, int]]) -> LabelSets:
     (('body', 'leg{2}', 'tail'), ('body', 'leg{4}'))
     >>> label_sets_of([{"body": 1, "leg": 2}]).stated
     ('body', 'leg1', 'leg2')
+    >>> label_sets_of([{"body": 1, "horn": 2}, {"body": 1, "tail": 1}]).variants[-1]
+    ('body', 'horn{2}', 'tail')
     """
     kinds = sorted(set().union(*counts))
     numbers = {kind: [count.get(kind, 0) for count in counts] for kind in kinds}
@@ -58,6 +67,8 @@ def label_sets_of(counts: Sequence[dict[str, int]]) -> LabelSets:
         stated = tuple(label for kind in kinds for label in labels[kind])
         return LabelSets(labels=labels, stated=stated, variants=())
     ordered = sorted(set(seen), key=lambda variant: (-seen.count(variant), variant))
+    if not any(all(variant) for variant in seen):
+        ordered.append(tuple(_usual(numbers[kind]) for kind in kinds))
     return LabelSets(
         labels=labels,
         stated=tuple(_ranged(kind, min(numbers[kind]), max(numbers[kind])) for kind in kinds),
@@ -70,6 +81,12 @@ def label_sets_of(counts: Sequence[dict[str, int]]) -> LabelSets:
             for variant in ordered
         ),
     )
+
+
+def _usual(numbers: Sequence[int]) -> int:
+    """How many of a kind most of those have that have any; of equally many the fewer."""
+    had = Counter(n for n in numbers if n)
+    return min(had, key=lambda n: (-had[n], n))
 
 
 def _ranged(kind: str, least: int, most: int) -> str:

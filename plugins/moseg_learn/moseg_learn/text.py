@@ -15,9 +15,10 @@ from moseg_core import Recipe
 _BEFORE = {
     "labels": "The parts to find. leg{4} are four: leg1, leg2, leg3 and leg4.",
     "variants": """\
-The sets of parts that were seen: leg{4} are four, leg1 to leg4; add a set by hand where you know of
-another. Each is searched for, and the one taken whose parts fit best on the mean, so that fewer
-parts are no advantage. What is said below of parts that a set lacks is left out with them.""",
+The sets of parts that were seen, and last all parts together where no example has them all: leg{4}
+are four, leg1 to leg4. Add a set by hand where you know of another. Each is searched for, and the
+one taken whose parts fit best on the mean, so that fewer parts are no advantage. What is said below
+of parts that a set lacks is left out with them.""",
     "minimize": """\
 What a segmentation costs; the search looks for the cheapest. It is a sum: the number before a term
 says how much the term counts, 1 where there is none. leg* stands for every leg.

@@ -29,3 +29,26 @@ def test_kinds_with_numbers_in_their_names_can_have_counts():
         ("finger1_1", "palm"),
         ("finger1_1", "finger1_2", "palm"),
     )
+
+
+def test_where_no_example_has_all_kinds_all_of_them_are_a_variant_too():
+    horned, tailed = {"body": 1, "horn": 2, "leg": 4}, {"body": 1, "leg": 4, "tail": 1}
+    found = label_sets_of([horned, tailed, tailed])
+    assert found.variants == (
+        ("body", "leg{4}", "tail"),
+        ("body", "horn{2}", "leg{4}"),
+        ("body", "horn{2}", "leg{4}", "tail"),
+    )
+    # One that has them all is enough; what all have in another number is no matter.
+    assert len(label_sets_of([horned, tailed, horned | tailed]).variants) == 3
+    assert len(label_sets_of([horned, horned | {"leg": 2}]).variants) == 2
+
+
+def test_all_kinds_are_as_many_as_most_have_that_have_any():
+    examples = [
+        {"a": 1, "handle": 2},
+        {"a": 1, "handle": 1, "lid": 1},
+        {"a": 1, "handle": 1},
+        {"lid": 3, "spout": 1},
+    ]
+    assert label_sets_of(examples).variants[-1] == ("a", "handle{1}", "lid{1}", "spout")
