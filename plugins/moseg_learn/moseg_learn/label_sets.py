@@ -2,10 +2,11 @@
 
 Where all have as many, the recipe lists its labels: ``body``, ``leg1`` to ``leg4``. Where members
 differ, labels bear counts, ``leg{2..5}`` and ``tail{0..1}``, and what was seen is listed as the
-recipe's variants. Where no example has all kinds, the horns of one and the tail of another, the
-last variant is what has all of them: each as often as most of those that have it, of equally many
-the fewer. Which variant a shape is of is decided by how well its parts fit
-(:mod:`moseg_core.search.typical_cost`), so that one more does no harm where nobody is like it.
+recipe's variants. Where no example has all kinds, one the horns and another the tail, the last
+variant is what has all of them: each as often as most of those that have it, of equally many the
+fewer. (Examples that have no kind in common are of two families, not members of one that differ.)
+Which variant a shape is of is decided by how well its parts fit
+(:mod:`moseg_core.search.typical_cost`).
 
 TODO
 """
@@ -67,7 +68,8 @@ def label_sets_of(counts: Sequence[dict[str, int]]) -> LabelSets:
         stated = tuple(label for kind in kinds for label in labels[kind])
         return LabelSets(labels=labels, stated=stated, variants=())
     ordered = sorted(set(seen), key=lambda variant: (-seen.count(variant), variant))
-    if not any(all(variant) for variant in seen):
+    common = any(all(numbers[kind]) for kind in kinds)
+    if common and not any(all(variant) for variant in seen):
         ordered.append(tuple(_usual(numbers[kind]) for kind in kinds))
     return LabelSets(
         labels=labels,

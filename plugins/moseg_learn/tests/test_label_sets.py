@@ -49,6 +49,14 @@ def test_all_kinds_are_as_many_as_most_have_that_have_any():
         {"a": 1, "handle": 2},
         {"a": 1, "handle": 1, "lid": 1},
         {"a": 1, "handle": 1},
-        {"lid": 3, "spout": 1},
+        {"a": 1, "lid": 3, "spout": 1},
     ]
     assert label_sets_of(examples).variants[-1] == ("a", "handle{1}", "lid{1}", "spout")
+
+
+def test_families_that_have_no_kind_in_common_are_not_mixed():
+    boxes, rollers = {"box": 2, "lid": 1}, {"roller": 2, "axle": 1}
+    assert label_sets_of([boxes, rollers, boxes]).variants == (
+        ("box{2}", "lid"),
+        ("axle", "roller{2}"),
+    )
