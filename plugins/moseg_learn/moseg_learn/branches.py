@@ -7,10 +7,10 @@ of remoteness (Carr, Snoeyink and Axen 2003, doi:10.1016/S0925-7721(02)00093-7),
 the tips, and which bending does not change (Hilaga, Shinagawa, Kohmura and Kunii 2001,
 doi:10.1145/383259.383282, compare shapes by a graph of the same function).
 
-Remoteness ``r`` is gone down level by level, in steps of 0.01. At each, what is at least so remote
-falls into connected pieces; the deeper, the fewer and larger. A piece is a *branch* where it meets
-another: both have at least a hundredth of the surface, and a tip at least 0.1 more remote than the
-place where they meet. A place lies on the smallest branch that has it, and where there is none, on
+Levels of remoteness ``r`` are 0.01 apart. What is at least as remote as a level falls into connected
+pieces, the lower the level the fewer and larger. A piece is a *branch* where it meets another: both
+have at least a hundredth of the surface, and a tip at least 0.1 more remote than the place where
+they meet. A place lies on the smallest branch that has it, and where there is none, on
 the whole connected shape. So a finger is a branch, the arm that has the fingers is one, and a trunk
 with arms and head is one too where legs part from it. With ``P`` the piece that a place ends, and
 ``B`` the branch that it lies on, down to the level ``l``, the quantities are ::
@@ -24,6 +24,10 @@ with arms and head is one too where legs part from it. With ``P`` the piece that
 Between two levels the first two go steadily from those of one to those of the other, and a piece
 counts what has only just come into it for less: many places are equally remote where shapes are
 symmetric, and rounding must not say which of them comes first.
+
+Place by place, looks that know branches name 87.5 % of the area right instead of 86.1, the mean over
+95 models of which each was left out in turn, learned from four others. After a search of whole parts
+no more is left of that than chance: 89.8 % in both cases.
 """
 
 from __future__ import annotations
