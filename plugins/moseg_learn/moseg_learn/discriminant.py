@@ -33,23 +33,17 @@ import numpy as np
 from scipy import optimize
 
 from moseg_core import Example, UsageError
-from moseg_learn.branches import BRANCHES
 from moseg_learn.looks import CONSTANT, KEYS, MEASURED, MOST, log_probabilities, quantities
 from moseg_learn.neighbourhoods import FloatArray, Neighbourhoods
 
-RIDGE = np.array([0.5 if key in MEASURED and key not in BRANCHES else 0.1 for key in KEYS])
+RIDGE = np.where(np.arange(len(KEYS)) < len(MEASURED), 0.5, 0.1)
 """What large weights cost, beside the mean of ``-log p`` over one example.
 
-Of what is measured more than of what compares a place with the rest of its shape, as branches do by
-themselves: the former differs more from shape to shape. (By trial, each of 95 models in nineteen
-categories left out in turn: 87.5 % of the area right place by place. Without branches 86.1; without
-branches, comparisons alone 85.7, both at 0.3 85.6, what is measured alone 84.2, and 80.9 without
-positions and normals.)
+Of quantities that are measured more than of those that compare places with the rest of their shape:
+the former differ more from shape to shape. (By trial, each of 95 models in nineteen categories left
+out in turn: 86.1 % of the area right place by place; the latter alone 85.7, both at 0.3 85.6, the
+former alone 84.2, and 80.9 without positions and normals.)
 """
-
-RIDGE_ALONE = np.array([0.5 if key in MEASURED else 0.1 for key in KEYS])
-"""The same where there is one example, of which nobody knows how far its branches are like others':
-80.8 % right place by place instead of 79.7; of two or four, RIDGE is better."""
 
 ALONE = 1.0
 """The temperature where there is one example: the best of 1, 1.5, 2, 3 on nineteen categories."""
@@ -64,7 +58,7 @@ class Sample:
 
     Parameters
     ----------
-    values : (K, 126) float
+    values : (K, 116) float
         In the order of :data:`moseg_learn.looks.KEYS`.
     shares : (K, n) float
         Of the area of the shape, what each group has of each kind; 1 together.
@@ -136,7 +130,7 @@ def fitted(samples: Sequence[Sample]) -> tuple[FloatArray, FloatArray]:
 
     Returns
     -------
-    weights : (n, 126) float
+    weights : (n, 116) float
     constants : (n,) float
         Minus infinity for a kind that none of the samples has.
     """
@@ -150,8 +144,7 @@ def fitted(samples: Sequence[Sample]) -> tuple[FloatArray, FloatArray]:
     wanted = shares[:, there] * np.sqrt(own.sum() / own[there])
     wanted /= wanted.sum()
     standard = np.column_stack([(values - middle) / scale, np.ones(len(values))])
-    ridge = RIDGE_ALONE if len(samples) == 1 else RIDGE
-    solution = _solved(standard, wanted, ridge / len(samples))
+    solution = _solved(standard, wanted, RIDGE / len(samples))
     weights, constants = np.zeros((len(own), len(scale))), np.full(len(own), -np.inf)
     weights[there] = solution[:, :-1] / scale
     constants[there] = solution[:, -1] - weights[there] @ middle

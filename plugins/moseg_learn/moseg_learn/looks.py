@@ -1,11 +1,10 @@
 """Looks: how likely each element is to bear a label, from what it and its surroundings are like.
 
-A table of *looks* has for each kind of part a table of weights, a number for each of 126 quantities
-``x`` of an element (:data:`KEYS`). 63 are measured: four of its own, thickness, remoteness, its
-logarithm and concavity; its six of :mod:`moseg_learn.position`; its five of
-:mod:`moseg_learn.branches`; and the twelve of :mod:`moseg_learn.surroundings` within 4, 8, 16 and
-30 % of the diagonal. As many compare these with the rest of the shape: with the mean and the
-standard deviation of ``x`` over its surface ::
+A table of *looks* has for each kind of part a table of weights, a number for each of 116 quantities
+``x`` of an element (:data:`KEYS`). 58 are measured: four of its own, thickness, remoteness, its
+logarithm and concavity; its six of :mod:`moseg_learn.position`; and the twelve of
+:mod:`moseg_learn.surroundings` within 4, 8, 16 and 30 % of the diagonal. As many compare these
+with the rest of the shape: with the mean and the standard deviation of ``x`` over its surface ::
 
     relative x = z / sqrt(1 + z^2),   z = (x - mean) / deviation
 
@@ -37,7 +36,6 @@ from functools import lru_cache
 import numpy as np
 
 from moseg_core import Shape, Table, UsageError, field_values, unknown
-from moseg_learn.branches import BRANCHES, branches
 from moseg_learn.neighbourhoods import FloatArray, Neighbourhoods
 from moseg_learn.position import POSITIONS, positions
 from moseg_learn.surroundings import QUANTITIES, around
@@ -53,7 +51,6 @@ CONSTANT = "constant"
 MEASURED = (
     *("thickness", "remoteness", "log_remoteness", "concavity"),
     *POSITIONS,
-    *BRANCHES,
     *(f"{name}_within_{round(100 * radius)}" for radius in RADII for name in QUANTITIES),
 )
 """The quantities of an element that are measured; ``thickness`` is its logarithm."""
@@ -75,7 +72,7 @@ class Looks:
     Parameters
     ----------
     kinds : tuple of str
-    weights : (n, 126) float
+    weights : (n, 116) float
         In the order of :data:`KEYS`.
     constants : (n,) float
     """
@@ -198,7 +195,7 @@ def quantities(shape: Shape) -> FloatArray:
 
     Returns
     -------
-    (K, 126) float
+    (K, 116) float
         In the order of :data:`KEYS`.
 
     Raises
@@ -212,7 +209,7 @@ def quantities(shape: Shape) -> FloatArray:
         own = np.stack([thickness, remoteness, np.log(remoteness), concavity], axis=1)
         means = Neighbourhoods.of(shape).of_elements(own)
         surroundings = (around(shape, radius) for radius in RADII)
-        measured = np.hstack([means, positions(shape), branches(shape), *surroundings])
+        measured = np.hstack([means, positions(shape), *surroundings])
         shape.made_from[key] = np.hstack([measured, beside_the_rest(shape, measured)])
     kept: FloatArray = shape.made_from[key]
     return kept

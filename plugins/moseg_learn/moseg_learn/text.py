@@ -67,9 +67,7 @@ around a place: area, length, width, depth, mean thickness, concavity and remote
 how far the middle of all that is from the place, and hollow, how far in front of it; flatness,
 bending and doming, whether it is like a plane, a tube or a ball. concavity: how sharp a crease the
 place itself lies in. from_center, lengthwise, from_axis: where in the whole shape it lies; outward,
-facing_along, facing_across: which way it faces there. area_beyond, length_beyond: how much of the
-shape lies farther out; branch_area, branch_length, along_branch: how large the limb is that it lies
-on, and where along it. What begins with relative_ compares the place
+facing_along, facing_across: which way it faces there. What begins with relative_ compares the place
 with the rest of its shape: from -1, far less than usual, to 1, far more. The numbers mean something
 together only, and are not made to be changed by hand; to do without them, delete these tables and
 the terms 'likely'."""

@@ -8,15 +8,7 @@ import numpy as np
 import pytest
 import trimesh
 from moseg_learn import discriminant as module
-from moseg_learn.discriminant import (
-    ALONE,
-    RIDGE,
-    RIDGE_ALONE,
-    Sample,
-    fit_looks,
-    fitted,
-    temperature_of,
-)
+from moseg_learn.discriminant import ALONE, RIDGE, Sample, fit_looks, fitted, temperature_of
 from moseg_learn.looks import CONSTANT, KEYS, MOST, log_probabilities
 
 from moseg_core import Example, Shape, Table, UsageError, field_values
@@ -52,7 +44,7 @@ def examples():
 
 def test_weights_that_are_known(monkeypatch):
     """Of kinds of equal areas, without a ridge, the weights that the data were made with."""
-    monkeypatch.setattr(module, "RIDGE_ALONE", np.zeros(N))
+    monkeypatch.setattr(module, "RIDGE", np.zeros(N))
     monkeypatch.setattr(module, "_STEPS", 5000)
     rng = np.random.default_rng(1)
     weights = np.zeros((2, N))
@@ -78,16 +70,14 @@ def test_units_of_the_quantities_change_no_probability():
     assert scores[0] == pytest.approx(scores[1], abs=1e-3)
 
 
-@pytest.mark.parametrize(("examples", "ridge"), [(1, RIDGE_ALONE), (2, RIDGE / 2)])
-def test_loss_by_loops_is_least(examples, ridge):
+def test_loss_by_loops_is_least():
     """Steps away from what was found, along any coefficient, cost more."""
     rng = np.random.default_rng(3)
     given = sample(rng, rng.normal(size=(3, N)) / 2, count=60)
     own = given.shares.sum(axis=0)
     middle, scale = given.values.mean(axis=0), given.values.std(axis=0)
     standard = (given.values - middle) / scale
-    several = zip(np.split(given.values, examples), np.split(given.shares, examples), strict=True)
-    weights, constants = fitted([Sample(*each) for each in several])
+    weights, constants = fitted([given])
 
     def loss(w, c):
         total = weight = 0.0
@@ -98,7 +88,7 @@ def test_loss_by_loops_is_least(examples, ridge):
                 b = given.shares[i, k] * math.sqrt(own.sum() / own[k])
                 total -= b * (scores[k] - sums)
                 weight += b
-        return total / weight + float((ridge * w**2).sum()) / 2
+        return total / weight + float((RIDGE * w**2).sum()) / 2
 
     w, c = weights * scale, constants + weights @ middle
     best = loss(w, c)

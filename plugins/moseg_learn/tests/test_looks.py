@@ -7,7 +7,6 @@ import math
 import numpy as np
 import pytest
 import trimesh
-from moseg_learn.branches import BRANCHES, branches
 from moseg_learn.looks import (
     KEYS,
     MOST,
@@ -44,7 +43,7 @@ def unlikely(shape, kind, among=LOOKS):
 
 def test_quantities_are_the_fields_they_are_called_after(lump):
     found = dict(zip(KEYS, quantities(lump).T, strict=True))
-    assert len(found) == 126
+    assert len(found) == 116
     assert np.array_equal(found["thickness"], field_values(lump, "basic:log_thickness"))
     assert np.array_equal(found["log_remoteness"], np.log(found["remoteness"]))
     assert np.array_equal(found["concavity"], field_values(lump, "basic:concavity"))
@@ -54,8 +53,6 @@ def test_quantities_are_the_fields_they_are_called_after(lump):
             assert np.array_equal(found[f"{name}_within_{percent}"], around)
     for k, name in enumerate(POSITIONS):
         assert np.array_equal(found[name], positions(lump)[:, k])
-    for k, name in enumerate(BRANCHES):
-        assert np.array_equal(found[name], branches(lump)[:, k])
 
 
 def test_places_are_compared_with_the_rest_of_their_shape(lump):
