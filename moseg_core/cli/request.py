@@ -17,10 +17,10 @@ from moseg_core.cli.flags import ProblemFlags, SearchedProblemFlags, SearchFlags
 from moseg_core.components.chosen import Choice
 from moseg_core.components.discovery.registry import registry
 from moseg_core.components.discovery.specs import SeederSpec
-from moseg_core.errors import UsageError
+from moseg_core.errors import ExpressionError, UsageError, unknown
 from moseg_core.io.result_json import SavedResult, read_result
 from moseg_core.problem.full_names import meant_by_result, statement_in_full
-from moseg_core.problem.label_sets import named_sets
+from moseg_core.problem.label_sets import declared_labels, named_sets
 from moseg_core.problem.recipe import load_recipe
 from moseg_core.problem.settings import SearchOptions
 from moseg_core.problem.statement import Statement
@@ -57,7 +57,10 @@ def read_variants(flags: ProblemFlags, *, start: SavedResult | None = None) -> V
         statement = read_statement(flags, start=start)
         if isinstance(flags, SearchedProblemFlags) and flags.parts is not None:
             statement = statement.with_parts(numbers_to_try(statement, flags.parts)[0])
-        found = Variants.of(statement)
+        try:
+            found = Variants.of(statement)
+        except ExpressionError as error:
+            raise _misspelt(flags) or error from None
     plane = getattr(flags, "plane", None)
     if plane is not None and not any(
         "plane" in bound.parameters
@@ -78,6 +81,18 @@ def _chosen_sets(flags: ProblemFlags) -> Variants | None:
     stated = read_statement(replace(flags, labels=None))
     sets = named_sets(_names(flags.labels), stated.labels) if stated.has_counts else None
     return None if sets is None else Variants.of(stated, sets)
+
+
+def _misspelt(flags: ProblemFlags) -> UsageError | None:
+    """What to say of a label that a recipe does not have, where its own expression is kept."""
+    if flags.recipe is None or flags.labels is None or flags.minimize is not None:
+        return None
+    labels = load_recipe(flags.recipe).statement.labels
+    known = {*declared_labels(labels), *(label.partition("{")[0] for label in labels)}
+    for name in _names(flags.labels):
+        if (stem := name.partition("{")[0]) not in known:
+            return UsageError(f"--labels: {unknown('label', stem, known)}")
+    return None
 
 
 def _names(labels: str) -> tuple[str, ...]:

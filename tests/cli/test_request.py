@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
 from moseg_core.cli.flags import ProblemFlags, SearchedProblemFlags, SearchFlags, SteeringFlags
@@ -45,6 +47,25 @@ def test_without_a_recipe_labels_and_expression_are_needed():
     for flags in (ProblemFlags(), ProblemFlags(labels="a"), ProblemFlags(minimize="narrow(a)")):
         with pytest.raises(UsageError, match="say what to look for"):
             read_statement(flags)
+
+
+@pytest.mark.parametrize(
+    ("recipe", "labels", "says"),
+    [
+        ("hammer", "handel,head", "--labels: unknown label 'handel'; did you mean 'handle'?"),
+        ("fourleg", "torso, leq{4}", "--labels: unknown label 'leq'; did you mean 'leg'?"),
+        # All of these the recipe has; what is missing is a label that it speaks of.
+        ("hammer", "head", "unknown label 'handle' in"),
+    ],
+)
+def test_a_label_that_the_recipe_does_not_have_is_named_with_the_nearest(recipe, labels, says):
+    with pytest.raises(UsageError, match=re.escape(says)):
+        read_variants(SearchedProblemFlags(recipe=recipe, labels=labels))
+
+
+def test_a_label_more_may_stand_beside_those_that_the_recipe_speaks_of():
+    found = read_variants(SearchedProblemFlags(recipe="hammer", labels="handle,head,rest"))
+    assert found.tasks[0].problem.labels == ("handle", "head", "rest")
 
 
 def test_a_plane_that_nothing_needs_is_an_error():
