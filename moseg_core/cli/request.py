@@ -17,7 +17,7 @@ from moseg_core.cli.flags import ProblemFlags, SearchedProblemFlags, SearchFlags
 from moseg_core.components.chosen import Choice
 from moseg_core.components.discovery.registry import registry
 from moseg_core.components.discovery.specs import SeederSpec
-from moseg_core.errors import ExpressionError, UsageError, unknown
+from moseg_core.errors import ExpressionError, UsageError, nearest, unknown
 from moseg_core.io.result_json import SavedResult, read_result
 from moseg_core.problem.full_names import meant_by_result, statement_in_full
 from moseg_core.problem.label_sets import declared_labels, named_sets
@@ -84,13 +84,17 @@ def _chosen_sets(flags: ProblemFlags) -> Variants | None:
 
 
 def _misspelt(flags: ProblemFlags) -> UsageError | None:
-    """What to say of a label that a recipe does not have, where its own expression is kept."""
+    """What to say of a label that is nearly one of a recipe's, where its expression is kept.
+
+    Another that it does not have may be meant to stand beside them.
+    """
     if flags.recipe is None or flags.labels is None or flags.minimize is not None:
         return None
     labels = load_recipe(flags.recipe).statement.labels
     known = {*declared_labels(labels), *(label.partition("{")[0] for label in labels)}
     for name in _names(flags.labels):
-        if (stem := name.partition("{")[0]) not in known:
+        stem = name.partition("{")[0]
+        if stem not in known and nearest(stem, sorted(known)) is not None:
             return UsageError(f"--labels: {unknown('label', stem, known)}")
     return None
 

@@ -54,8 +54,9 @@ def test_without_a_recipe_labels_and_expression_are_needed():
     [
         ("hammer", "handel,head", "--labels: unknown label 'handel'; did you mean 'handle'?"),
         ("fourleg", "torso, leq{4}", "--labels: unknown label 'leq'; did you mean 'leg'?"),
-        # All of these the recipe has; what is missing is a label that it speaks of.
+        # What is missing is a label that the recipe speaks of: nothing is misspelt.
         ("hammer", "head", "unknown label 'handle' in"),
+        ("hammer", "head, claw", "unknown label 'handle' in"),
     ],
 )
 def test_a_label_that_the_recipe_does_not_have_is_named_with_the_nearest(recipe, labels, says):
