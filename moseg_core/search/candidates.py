@@ -122,7 +122,7 @@ class Candidates:
         memo: Memo,
         segmentation: Callable[[int], Segmentation],
     ) -> None:
-        self._planned, self._memo, self._segmentation = planned, memo, segmentation
+        self._planned, self._memo, self._make = planned, memo, segmentation
         self._terms = terms = planned.problem.terms
         self._labellings, self._rows, self._orders = labellings, rows, orders
         self._made: dict[int, Segmentation] = {}
@@ -131,7 +131,7 @@ class Candidates:
         self._some_empty = [count > 0 for count in violations]
         if len(pins.elements):
             violations = [
-                count + pins.broken(self.segmentation(c).level_labels)
+                count + pins.broken(self._segmentation(c).level_labels)
                 for c, count in enumerate(violations)
             ]
         self.costs = [Cost(count, planned.least_sum) for count in violations]
@@ -197,10 +197,10 @@ class Candidates:
                     best = (costs[c], c)
         return costs
 
-    def segmentation(self, c: int) -> Segmentation:
+    def _segmentation(self, c: int) -> Segmentation:
         """A candidate's parts, for terms that look at them one by one."""
         if c not in self._made:
-            made = self._segmentation(int(self._rows[c]))
+            made = self._make(int(self._rows[c]))
             order = self._orders[c]
             moved = (order != np.arange(len(order))).any()
             self._made[c] = made.permuted(order) if moved else made
@@ -240,7 +240,7 @@ class Candidates:
 
     def _evaluate(self, c: int, rank: int) -> None:
         """Evaluate a candidate's other terms of one cost class; its cost becomes a better bound."""
-        segmentation, some_empty = self.segmentation(c), self._some_empty[c]
+        segmentation, some_empty = self._segmentation(c), self._some_empty[c]
         empty: list[bool] = self._empty[c].tolist()
         missing = []
         for t, term in self._planned.by_rank[rank]:
